@@ -7,11 +7,11 @@
 //! * `ratio: within-over-exact-worst = <time within a tolerance / exact time>`, the worst over the
 //!   tolerances 1e-2 to 1e-13 and the scenes of docs/accuracy-and-speed.md, after a line for each.
 //!
-//! Ratios are medians over interleaved pairs of runs. The place in memory of what a scene has
-//! prepared changes a ratio by some 5 %, and the worst of two hundred cases would be the one that
-//! this hits. So the worst cases are measured again, each with some pairs of scenes in other
-//! places; the worst of the medians over these is printed. `-- --test` runs everything once on
-//! smaller scenes; a word runs the cases that have it in their names.
+//! Ratios are medians over interleaved pairs of runs. The memory location of a prepared scene
+//! changes a ratio by some 5 %, which would determine the worst of two hundred cases. The worst
+//! cases are therefore measured again, each with several pairs of scenes at other locations, and
+//! the worst of their medians is printed. `-- --test` runs everything once on smaller scenes; a
+//! word runs the cases with this word in their names.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -26,21 +26,21 @@ use nalgebra::Vector3;
 /// Numbers of points, and of interleaved pairs of runs.
 #[derive(Clone, Copy)]
 struct CliffEffort {
-    /// Points and tiles of the scenes to tolerances.
+    /// Points and tiles of the scenes with tolerances.
     sizes: SceneSizes,
     /// Points around the rods.
     rod_points: usize,
     /// Points of the gradient.
     gradient_grid: [usize; 3],
-    /// Pairs of runs until [`CliffEffort::seconds`] have passed.
+    /// Number of pairs of runs, unless [`CliffEffort::seconds`] pass first.
     pairs: usize,
     /// Smallest number of pairs of runs.
     least_pairs: usize,
-    /// Seconds after which no further pair begins, beyond the smallest number.
+    /// Seconds after which no further pair begins, once the smallest number is reached.
     seconds: f64,
-    /// Number of the worst cases that are measured again.
+    /// Number of worst cases measured again.
     worst: usize,
-    /// Number of pairs of scenes that each of them is measured with.
+    /// Number of pairs of scenes for each of them.
     copies: usize,
 }
 
@@ -110,7 +110,7 @@ fn gradient_over_field(effort: CliffEffort) {
     println!("ratio: gradient-over-field = {ratio:.2}   ({} points)", points.len());
 }
 
-/// Points of which the field is wanted.
+/// Points of a requested field.
 enum Wanted<'a> {
     Grid(&'a Grid),
     List(&'a [DVec3]),
@@ -124,7 +124,7 @@ impl Wanted<'_> {
         }
     }
 
-    /// Evaluates B; returns the number of points that are refused.
+    /// Evaluates B. Returns the number of refused points.
     fn evaluate(&self, scene: &Scene, field: &mut [DVec3]) -> usize {
         let evaluated = match self {
             Wanted::Grid(grid) => scene.field_on_grid_into(Quantity::FluxDensity, black_box(grid), field),
@@ -199,8 +199,8 @@ impl ToleranceCase<'_> {
     }
 }
 
-/// The median over interleaved pairs of runs of the time of `one` over the time of `other`. A first
-/// pair, which builds what later ones reuse, does not count.
+/// The median over interleaved pairs of runs of the time of `one` over the time of `other`. The
+/// first pair does not count, because it builds reused data.
 fn median_ratio(effort: CliffEffort, mut one: impl FnMut(), mut other: impl FnMut()) -> f64 {
     let mut pair = || {
         let start = Instant::now();

@@ -3,7 +3,7 @@
 //! `cargo bench -p magsplice-benches --bench dial` prints for each case `ratio: <case> = <exact
 //! time / time>`, the median over interleaved pairs of runs, with the largest error found.
 //! `growth:` lines give the times of films with as many points as tiles, `exponent:` lines the
-//! power of that number with which the times grow. `-- --test` runs each case once, on a smaller
+//! power of that number in the growth of the times. `-- --test` runs each case once, on a smaller
 //! scene.
 
 use std::hint::black_box;
@@ -20,7 +20,7 @@ const PAIRS: usize = 15;
 
 /// Tiles along each side of the film compared with direct summation, and the number of runs.
 const LARGE_FILM: (usize, usize) = (316, 5);
-/// The same for the films whose times give the exponents of growth.
+/// Tiles along each side and number of runs of the films for the exponents of growth.
 const FILMS: [(usize, usize); 4] = [(32, 15), (100, 7), (316, 3), (1000, 1)];
 
 /// Number of look-ups in the prepared volume.

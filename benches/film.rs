@@ -22,8 +22,7 @@ fn main() {
     criterion.final_summary();
 }
 
-/// Times one tile at distances from inside its near field to far away, one for each method of
-/// evaluation.
+/// Times one tile at distances from its near field to far away, one distance for each method.
 fn one_tile_by_distance(criterion: &mut Criterion) {
     let tile = Tile::new(DVec3::ZERO, DVec3::new(3.3, 1.7, 1.0), DVec3::new(0.3, -0.5, 0.7)).expect("a valid tile");
     let scene = Scene::new(&[tile]);

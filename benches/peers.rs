@@ -4,15 +4,15 @@
 //! `cargo bench -p magsplice-benches --bench peers` prints for each workload `ratio: <workload> =
 //! <magba time / magsplice time>`, the median over interleaved pairs of runs in one process, and
 //! the median difference of the two fields. Then it prints `threads: <workload>, <n> threads =
-//! <time of one / time of n>`, beside the same ratio for n independent scenes evaluated at the same
-//! time, which is the most that the machine gives.
+//! <time of one / time of n>`, followed by the same ratio for n independent scenes evaluated at the
+//! same time, which is the limit of the machine.
 //!
 //! Arguments after `--`:
 //!
 //! | argument | effect |
 //! |---|---|
 //! | `--test` | runs each workload once on few points |
-//! | `NAME` | runs the workloads that have this in their names |
+//! | `NAME` | runs the workloads with this text in their names |
 //! | `--threads` | skips the comparison with magba |
 //! | `--avx2` or another instruction set | compares with this set instead of the best one |
 
@@ -33,8 +33,8 @@ const LARGE_RUN: usize = 20_000_000;
 /// See [`LARGE_RUN`].
 const FEW_PAIRS: usize = 3;
 
-/// Number of runs with threads. They vary more, because a program on any one of the processors
-/// disturbs them.
+/// Number of runs with threads. They vary more, because a program on any of the processors disturbs
+/// them.
 const THREAD_RUNS: usize = 25;
 
 fn main() {
@@ -66,7 +66,8 @@ fn threads(workload: Workload, once: bool) {
     }
 }
 
-/// The workload with its exact field; for the film also to a tolerance, on the grid of its points.
+/// The workload with its exact field; for the film also with a tolerance, on the grid of its
+/// points.
 fn variants(workload: Workload) -> Vec<(Workload, Accuracy)> {
     let mut variants = Vec::new();
     if workload.name == "film-exact" {

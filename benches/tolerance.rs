@@ -1,4 +1,4 @@
-//! The cost of a sample of a real film.
+//! The time of a sample of a real film.
 //!
 //! `cargo bench -p magsplice-benches --bench tolerance` prints on one thread
 //!
@@ -18,7 +18,7 @@ use magsplice::layout::{FilmTolerance, Preset};
 use magsplice::tolerance::{EvaluationGrid, RealFilm, Sampler};
 use magsplice_benches::{median, shipped_layout};
 
-/// Pairs of runs, and samples of each run.
+/// Numbers of pairs of runs, and of samples in each run.
 const FULL: [u64; 2] = [40, 25];
 const ONCE: [u64; 2] = [1, 2];
 

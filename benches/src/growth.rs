@@ -1,4 +1,4 @@
-//! Time of a film with as many points as tiles, exact and to a tolerance.
+//! Time of a film with as many points as tiles, exact and within a tolerance.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -16,27 +16,27 @@ const LEAST_EXACT_POINTS: usize = 4096;
 
 /// Direct summation sorts the points of a list in blocks of this size.
 const SORTED_BLOCK: usize = 16_384;
-/// Neighbouring points of a block that direct summation evaluates as one batch.
+/// Number of neighbouring points of a block that direct summation evaluates as one batch.
 const BATCH: usize = 512;
 
 /// Times of one film, in seconds, and its error.
 pub struct Growth {
     /// Number of tiles, and of points.
     pub tiles: usize,
-    /// Building the scene from its tiles.
+    /// Time to build the scene from its tiles.
     pub scene_s: f64,
-    /// The first evaluation, which also builds the tree.
+    /// Time of the first evaluation, which also builds the tree.
     pub first_s: f64,
-    /// The second evaluation at the same points.
+    /// Time of the second evaluation at the same points.
     pub again_s: f64,
-    /// The exact field with its tables prepared: measured at [`Growth::exact_points`] points and
-    /// scaled to all.
+    /// Time of the exact field with prepared tables, measured at [`Growth::exact_points`] points
+    /// and scaled to all.
     pub exact_s: f64,
-    /// Preparing the tables of the exact field, which its first evaluation does.
+    /// Time to prepare the tables of the exact field, a part of its first evaluation.
     pub exact_tables_s: f64,
     /// Number of points at which the exact field was computed.
     pub exact_points: usize,
-    /// The largest relative error of |B| at these points.
+    /// Largest relative error of |B| at these points.
     pub worst: f64,
 }
 
@@ -60,7 +60,8 @@ impl Growth {
 
 /// Times and error of a film of `side` x `side` tiles with as many points below it.
 ///
-/// Each of the `runs` runs rebuilds everything, in turns with the exact field; times are medians.
+/// Each of the `runs` runs rebuilds everything, alternating with the exact field; times are
+/// medians.
 ///
 /// # Panics
 /// If a point has no field, or `runs` is zero.
@@ -96,9 +97,9 @@ pub fn growth(side: usize, tolerance: Tolerance, runs: usize) -> Growth {
 
 /// Indices of about `most` points, or of all if there are no more.
 ///
-/// Points picked one by one would lie farther from each other than in the whole list, and direct
-/// summation would take several times longer for each. So whole neighbourhoods are picked, evenly
-/// over the film, that are as dense as in the list of all points.
+/// Whole neighbourhoods are picked, evenly over the film, with the density of the whole list.
+/// Points picked one by one would be farther from each other, and direct summation would take
+/// several times longer for each.
 fn neighbourhoods(points: &[DVec3], most: usize) -> Vec<usize> {
     if points.len() <= most {
         return (0..points.len()).collect();

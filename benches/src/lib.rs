@@ -1,14 +1,14 @@
-//! The scenes that benchmarks and the generated pages measure, and the peer magba.
+//! The scenes of benchmarks and generated pages, and the peer magba.
 
 /// Time of films that grow to a million tiles with as many points.
 mod growth;
 /// A scene in the types of magba.
 mod magba_scene;
-/// Scenes with the places where their fields are wanted.
+/// Scenes with the points of their fields.
 mod scenes;
-/// Speedup with threads, beside the most that the machine gives.
+/// Speedup with threads, and the limit of the machine.
 mod threads;
-/// Tiles and points on which speed is compared.
+/// Tiles and points for comparisons of speed.
 mod workloads;
 
 pub use growth::{Growth, growth};

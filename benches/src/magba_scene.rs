@@ -26,8 +26,8 @@ impl Magba {
         Magba { points: points.iter().map(|p| vector(*p).into()).collect(), tiles: tiles.iter().map(tile).collect() }
     }
 
-    /// Writes B in tesla at every point to `sum`, with the batch call of magba for one tile after
-    /// the other.
+    /// Writes B in tesla at every point to `sum`, by the batch call of magba for one tile after the
+    /// other.
     pub fn field(&self, sum: &mut [Vector3<f64>]) {
         sum.fill(Vector3::zeros());
         let mut field = vec![Vector3::zeros(); sum.len()];

@@ -1,4 +1,4 @@
-//! Scenes with the places where their fields are wanted, to compare exact fields with tolerances.
+//! Scenes with the places of their points, to compare exact fields with tolerances.
 
 use glam::DVec3;
 use magsplice::field::{Grid, Tile};
@@ -14,13 +14,13 @@ pub struct PlacedScene {
     pub title: &'static str,
     /// Tiles of the scene; lengths in mm.
     pub tiles: Vec<Tile>,
-    /// The places where its field is wanted.
+    /// The places of its points.
     pub places: Vec<ScenePlace>,
 }
 
-/// A place where the field of a scene is wanted.
+/// A place of points in a scene.
 pub struct ScenePlace {
-    /// Name of the place, which completes the title of the scene.
+    /// Name of the place, a suffix of the title of the scene.
     pub name: &'static str,
     /// A box without tiles, for a grid and for look-ups.
     pub volume: Option<Grid>,
@@ -106,10 +106,10 @@ pub fn random_cubes(sizes: SceneSizes) -> PlacedScene {
     PlacedScene { title: "100 random cubes", tiles, places: vec![among, below] }
 }
 
-/// Random tiles in a cube that do not overlap, and half the side of the cube.
+/// Random disjoint tiles in a cube, and half the side of the cube.
 ///
-/// Sides are 0.3 to 1.2, polarizations any. Each tile lies in a cell of its own; 47 of 50 cells are
-/// taken.
+/// Sides are 0.3 to 1.2, polarizations any. Each tile has its own cell; 47 of 50 cells are
+/// occupied.
 fn heap(side: usize) -> (Vec<Tile>, f64) {
     const CELL: f64 = 1.6;
     let mut random = ChaCha8Rng::seed_from_u64(8);

@@ -1,4 +1,4 @@
-//! Tiles and points on which speed is compared.
+//! Tiles and points for comparisons of speed.
 
 use std::path::Path;
 
@@ -11,7 +11,7 @@ use rand_chacha::ChaCha8Rng;
 /// A layout shipped with the project, by its name in `layouts/`.
 ///
 /// # Panics
-/// If there is no such layout.
+/// If no such layout exists.
 pub fn shipped_layout(name: &str) -> Layout {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../layouts").join(name).with_extension("toml");
     Layout::read(&path).unwrap_or_else(|e| panic!("{e}"))
@@ -22,7 +22,7 @@ pub fn working_volume(counts: [usize; 3]) -> Grid {
     Grid::new(DVec3::new(-2.0, -2.0, -5.0), DVec3::new(2.0, 2.0, -3.0), counts).expect("a grid")
 }
 
-/// The median of times or ratios; the upper one of two in the middle.
+/// The median of times or ratios; the upper of two in the middle.
 ///
 /// # Panics
 /// If there are no values.
@@ -45,8 +45,8 @@ pub struct Workload {
 }
 
 impl Workload {
-    /// The workload with its points thinned evenly to at most `most_pairs` tile-point pairs, so
-    /// that they keep their distribution.
+    /// Thins the points evenly to at most `most_pairs` tile-point pairs, which keeps their
+    /// distribution.
     pub fn thinned(mut self, most_pairs: usize) -> Workload {
         let keep = (most_pairs / self.tiles.len()).clamp(1, self.points.len());
         if let Some(grid) = self.grid {
@@ -78,7 +78,7 @@ pub fn workloads() -> Vec<Workload> {
     let grid: Vec<DVec3> = volume.points().collect();
     let mut random = ChaCha8Rng::seed_from_u64(4);
     let mut within = |reach: f64| DVec3::from([0, 1, 2].map(|_| random.random_range(-reach..reach)));
-    // J differs in every tile, so that no two merge into one block.
+    // J differs in every tile, so no two merge into one block.
     let general = |(i, t): (usize, &Tile)| {
         let j = t.polarization_t() + DVec3::new(0.02, -0.03, 0.04 + 1e-4 * i as f64);
         Tile::new(t.position(), t.size(), j).expect("a valid tile")
@@ -108,15 +108,13 @@ pub fn workloads() -> Vec<Workload> {
     ]
 }
 
-/// Indices of at most `most` points, and at least one, taken evenly so that they keep their
-/// distribution.
+/// Indices of at most `most` points, and at least one, taken evenly to keep their distribution.
 pub fn evenly_thinned(points: &[DVec3], most: usize) -> Vec<usize> {
     let keep = most.clamp(1, points.len());
     (0..keep).map(|i| i * points.len() / keep).collect()
 }
 
-/// `side` x `side` unit cubes of different polarization in the plane; their lower faces lie at
-/// z = 0.
+/// `side` x `side` unit cubes of different polarization in the plane, with lower faces at z = 0.
 pub fn square_film(side: usize) -> Vec<Tile> {
     let middle = 0.5 * (side as f64 - 1.0);
     let tile = |n: usize| {
@@ -138,8 +136,8 @@ pub fn points_below(side: usize, count: usize) -> Vec<DVec3> {
     (0..count).map(point).collect()
 }
 
-/// 100 rods of 1 x 1 x 30 with three different components of J each, which stand on a lattice of
-/// pitch 2, and random points in a volume around and below them, at least 1 away from every rod.
+/// 100 upright rods of 1 x 1 x 30 with three different components of J each on a lattice of pitch
+/// 2, and random points in a volume around and below them, at least 1 away from every rod.
 pub fn rods(count: usize) -> Workload {
     const SIDE: usize = 10;
     let (pitch, size) = (2.0, DVec3::new(1.0, 1.0, 30.0));

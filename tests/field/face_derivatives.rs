@@ -10,10 +10,10 @@ fn vector(reach: f64) -> impl Strategy<Value = DVec3> {
     prop::array::uniform3(-reach..reach).prop_map(DVec3::from)
 }
 
-/// The contributions of all edges added up without their signs, the measure of accuracy here.
+/// The sum of the magnitudes of the contributions of all edges, the measure of accuracy here.
 ///
-/// An edge of length l at distance d contributes at most l / d^2 for a current and as much for a
-/// charge, and no more to the gradient of either.
+/// An edge of length l at distance d contributes at most l / d^2 for a current, as much for a
+/// charge, and at most as much to the gradient of either.
 fn magnitude(tile: &Tile, point: DVec3) -> f64 {
     let (half, local) = (0.5 * tile.size(), point - tile.position());
     let mut sum = 0.0;
@@ -52,7 +52,7 @@ proptest! {
         prop_assert!(worst(&found, truth) <= allowed, "{} of {allowed}: {found:?} is not {truth:?}", worst(&found, truth));
     }
 
-    /// Moving both faces of every axis moves the tile, which is a move of the point backwards.
+    /// Moving both faces of every axis moves the tile, which equals moving the point backwards.
     #[test]
     fn sum_over_both_faces_is_minus_the_gradient(
         size in vector(1.0), place in vector(9.0), j in vector(1.0), turn in vector(2.0),
@@ -61,7 +61,7 @@ proptest! {
         let tile = Tile::new(DVec3::ZERO, size.map(|d| 10_f64.powf(d)), j).and_then(|t| t.rotated(turn)).expect("a valid tile");
         let slopes = FaceDerivatives::new(&tile, place).expect("no point on an edge");
         let gradient = Scene::new(&[tile]).gradient(Quantity::FluxDensity, place).expect("no point on an edge");
-        // The columns of the derivatives are by the tile's own axes.
+        // Columns of the derivatives belong to the tile's own axes.
         let moved = (slopes.lower + slopes.upper) * DMat3::from_quat(turn.inverse());
         let local = turn.inverse() * place;
         let flat = Tile::new(DVec3::ZERO, tile.size(), j).expect("a valid tile");
@@ -83,8 +83,8 @@ proptest! {
         let layer = Tile::new(centre, size, j).expect("a valid tile");
         let field = Scene::new(&[layer]).field(Quantity::FluxDensity, place).expect("outside") / thin;
         let slope = FaceDerivatives::new(&tile, place).expect("outside").upper.col(axis);
-        // The middle of the layer lies half its thickness away from the face. Over a unit of length
-        // the field of the layer changes by no more than its own size.
+        // The middle of the layer is half its thickness away from the face. Over a unit of length
+        // the field of the layer changes by at most its own size.
         prop_assert!((field - slope).length() <= 10.0 * thin * slope.length().max(0.01 * j.length()));
     }
 }

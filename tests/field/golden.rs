@@ -4,12 +4,12 @@ use glam::DVec3;
 use magsplice_field::{InstructionSet, PointErrorCause, Quantity, Scene};
 use magsplice_tests::reference_tables::{self, ReferenceRow};
 
-/// Largest relative error of |B| at any row, as `Scene` promises.
+/// Largest relative error of |B| at any row, the bound of `Scene`.
 ///
-/// In the scalar kernel an element of the tensor is off by about twenty roundings of 1.1e-16 in the
-/// worst case. In the vector kernels this is multiplied by the distance in sides of the tile, at
-/// most 15, or near an edge by 1 / (1 - tanh^2) of its logarithm. Few roundings are at their worst
-/// at once: the largest error seen is 6e-15.
+/// In the scalar kernel the error of an element of the tensor is about twenty roundings of 1.1e-16
+/// in the worst case. The vector kernels multiply it by the distance in sides of the tile, at most
+/// 15, or near an edge by 1 / (1 - tanh^2) of its logarithm. Few roundings are at their worst at
+/// once: the largest error seen is 6e-15.
 const WORST: f64 = 2e-14;
 
 /// Largest median of the relative errors, for roundings that add up at random.
@@ -66,7 +66,8 @@ fn lengths_of_every_scale() {
     check("scale", 1800);
 }
 
-/// A tile owns its lower faces, not its upper ones. B on a face is the limit from the owner's side.
+/// A tile owns its lower faces, not its upper faces. B on a face is the limit from the owner's
+/// side.
 #[test]
 fn face_points_take_the_limit_from_the_owner() {
     for row in reference_tables::read("face_points", 36) {

@@ -7,8 +7,8 @@ use magsplice_tests::oracle::Oracle;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// The stated bound of the gradient, as a fraction of the sum over tiles of the largest components
-/// of the gradients that the components of J make alone.
+/// The bound of the gradient, as a fraction of the sum over tiles of the largest components of the
+/// gradients of the single components of J.
 const GRADIENT_BOUND: f64 = 2e-14;
 
 fn largest(gradient: DMat3) -> f64 {
@@ -60,7 +60,7 @@ fn gradients_of_films_keep_the_bound() {
     assert!(worst > 1e-16, "{worst:e}");
 }
 
-/// A turned scene has the turned gradient, whatever its methods.
+/// A turned scene has the turned gradient, for all methods.
 #[test]
 fn gradient_turns_with_the_scene() {
     let turn = DQuat::from_euler(glam::EulerRot::XYZ, 0.3, -1.1, 0.7);

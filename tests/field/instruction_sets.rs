@@ -9,11 +9,11 @@ use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::{Config, TestRunner};
 
-/// Largest error as a fraction of the sum, over tiles and components of J, of the fields that each
-/// component makes alone, as `Scene` promises.
+/// Largest error as a fraction of the sum, over tiles and components of J, of the magnitudes of the
+/// fields of each component, the bound of `Scene`.
 const WORST: f64 = 2e-14;
 
-/// The same for one compact tile, at points inside or near it.
+/// [`WORST`] for one compact tile, at points inside or near it.
 const WORST_NEAR: f64 = 4e-15;
 
 fn tile(position: DVec3, size: DVec3, j: DVec3) -> Tile {
@@ -41,7 +41,7 @@ fn exact(oracle: &mut Oracle, tiles: &[Tile], point: DVec3) -> (DVec3, f64) {
 }
 
 /// Compares a scene with the oracle at all points. `rounded` is added to the bound: the relative
-/// error that rounding a point in the frames of rotated tiles may cause.
+/// error from rounding a point in the frames of rotated tiles.
 fn check(name: &str, tiles: &[Tile], points: &[DVec3], rounded: f64) {
     let points = share(points);
     let mut oracle = Oracle::for_moderate_scenes();
@@ -110,9 +110,9 @@ fn rotated_films() {
         .zip(film(published))
         .map(|(n, tile)| tile.rotated(DQuat::from_rotation_z(1e-3 * f64::from(n))).expect("a rotation"))
         .collect();
-    // A coordinate in the frame of a tile is off by four roundings of the point's distance, which
-    // changes the field by three times that over the distance to the tile. The same holds for the
-    // point in the frame of the oracle's tile. Points within 0.01 of a size are left out.
+    // A coordinate in the frame of a tile has an error of four roundings of the point's distance,
+    // which changes the field by three times this error over the distance to the tile. The point in
+    // the frame of the oracle's tile has the same error. Points within 0.01 of a size are omitted.
     let points: Vec<DVec3> = around().into_iter().filter(|p| p.z < -0.2 || p.z > 0.0).collect();
     check("rotated", &turned, &points, 4e-14);
 }
@@ -135,7 +135,7 @@ fn stacked_cubes_near_and_far() {
     check("turned cubes", &turned, &points, 4e-14);
 }
 
-/// Shapes that some methods cannot evaluate, side by side with others.
+/// Shapes that some methods cannot evaluate, next to others.
 #[test]
 fn plates_needles_and_cubes_together() {
     let tiles = [
@@ -149,7 +149,7 @@ fn plates_needles_and_cubes_together() {
 }
 
 /// B and H inside and beside a compact tile, down to 1e-14 from its faces, edges and corners. The
-/// tile lies at the origin, so that no coordinate is rounded.
+/// tile is at the origin, so no coordinate is rounded.
 #[test]
 fn random_points_inside_and_near_a_tile() {
     let mut oracle = Oracle::for_moderate_scenes();
@@ -196,8 +196,7 @@ fn random_points_inside_and_near_a_tile() {
     }
 }
 
-/// One tile of random shape at a random distance, most often where the method of evaluation
-/// changes.
+/// One tile of random shape at a random distance, most often where the method changes.
 #[test]
 fn random_tiles_at_all_distances() {
     let oracle = std::cell::RefCell::new(Oracle::for_moderate_scenes());
@@ -216,7 +215,7 @@ fn random_tiles_at_all_distances() {
             let to_surface = (half / outward.abs()).min_element();
             let point = tile.position() + outward * (to_surface + 10_f64.powf(decades) * tile.size().max_element());
             let (exact, magnitude) = {
-                // The tile stays at its position, so that the point is rounded as in the scene.
+                // The tile keeps its position, so the point is rounded as in the scene.
                 let (mut sum, mut magnitude) = (DVec3::ZERO, 0.0);
                 for axis in 0..3 {
                     let mut part = DVec3::ZERO;

@@ -60,7 +60,7 @@ fn square_tile_is_the_sum_of_4_9_and_64_parts() {
         let parts = divided(&block(), counts);
         let scene = Scene::new(&parts);
         for point in generic_points() {
-            // Each part is right to 2e-14 of its own field. The coordinates of the parts are
+            // The error of each part is 2e-14 of its own field. The coordinates of the parts are
             // rounded, which moves faces by 1e-16 and changes B by this over the distance.
             let magnitudes: f64 = parts.iter().map(|&part| b(&Scene::new(&[part]), point).length()).sum();
             let allowed = 1e-14 * magnitudes;
@@ -96,8 +96,8 @@ fn div_b_and_curl_h_vanish() {
     let d = |quantity: Quantity, component: usize, at: DVec3, axis: usize| {
         derivative(|p| scene.field(quantity, p).expect("bounded")[component], at, axis, 0.01)
     };
-    // Truncation: h^6 / 140 times a seventh derivative, which 0.25 from a face is below 7! |J| / (4
-    // pi 0.25^7): 4e-8. Rounding: 1e-15 |J| / h = 1e-13.
+    // Truncation: h^6 / 140 times a seventh derivative, which at 0.25 from a face is below 7! |J| /
+    // (4 pi 0.25^7): 4e-8. Rounding: 1e-15 |J| / h = 1e-13.
     let allowed = 5e-8;
     for at in points {
         let div: f64 = (0..3).map(|axis| d(Quantity::FluxDensity, axis, at, axis)).sum();
@@ -165,15 +165,16 @@ fn distant_field_is_that_of_a_dipole() {
     }
 }
 
-/// The sum over tiles is compensated: strong tiles that cancel leave a weak one all its digits.
+/// The sum over tiles is compensated: a weak tile keeps all its digits beside strong tiles that
+/// cancel.
 #[test]
 fn weak_tile_keeps_its_digits_between_strong_ones() {
     let weak = tile(DVec3::new(3.0, 0.0, 0.0), DVec3::ONE, DVec3::new(1e-9, 2e-9, -1e-9));
     let strong = |sign: f64| tile(DVec3::ZERO, DVec3::ONE, sign * DVec3::new(0.9, -0.7, 0.8));
     let scene = Scene::new(&[strong(1.0), weak, strong(-1.0)]);
-    // Near the strong tiles, where each tile is evaluated on its own.
+    // Near the strong tiles, where each tile is evaluated alone.
     let point = DVec3::new(0.53, 0.3, -0.2);
     let exact = b(&Scene::new(&[weak]), point);
-    // The strong fields are opposite to the last bit, so one rounding is left.
+    // The strong fields are opposite to the last bit, so one rounding remains.
     assert!((b(&scene, point) - exact).length() <= 2.3e-16 * exact.length());
 }

@@ -8,7 +8,7 @@ use magsplice_tests::{cases, reference_tables, scenes, share};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
 
-/// Largest relative error of |B| and |H|; `golden.rs` says why.
+/// Largest relative error of |B| and |H|; `golden.rs` gives the reasons.
 const FIELD: f64 = 2e-14;
 
 /// Largest error of the gradient, as a fraction of its largest component.
@@ -18,12 +18,12 @@ const FIELD: f64 = 2e-14;
 /// gives 2e-14. The largest error seen is 8e-15.
 const GRADIENT: f64 = 2e-14;
 
-/// Error of the gradient in the middle of a tile, where it is zero by symmetry and the differences
-/// of the oracle leave round-off.
+/// Error of the gradient in the middle of a tile, where it is zero by symmetry up to the round-off
+/// of the oracle's differences.
 const SYMMETRIC_ZERO: f64 = 1e-90;
 
-/// The stated error of B at a point is at least 2e-14 of the sum of the fields that the components
-/// of J make alone. It is proportional to J, and infinite where there is no point.
+/// The error bound of B at a point is at least 2e-14 of the sum of the magnitudes of the fields of
+/// the single components of J. It is proportional to J, and infinite at invalid points.
 #[test]
 fn error_bounds_are_at_least_the_exact_bound() {
     let (size, j) = (DVec3::new(3.3, 1.7, 1.0), DVec3::new(0.3, -0.5, 0.7));
@@ -36,7 +36,7 @@ fn error_bounds_are_at_least_the_exact_bound() {
         let alone = |axis: usize| scene(j * DVec3::AXES[axis]).field(Quantity::FluxDensity, *point).expect("bounded");
         let magnitude_t: f64 = [0, 1, 2].into_iter().map(|axis| alone(axis).length()).sum();
         assert!(bounds_t[n] >= FIELD * magnitude_t, "{point}: {} of {magnitude_t}", bounds_t[n]);
-        // A bound that is much larger would say nothing about rounding.
+        // A much larger bound would give no information about rounding.
         assert!(bounds_t[n] <= 10.0 * FIELD * magnitude_t, "{point}: {} of {magnitude_t}", bounds_t[n]);
         assert!((doubled_t[n] - 2.0 * bounds_t[n]).abs() <= 1e-6 * doubled_t[n], "{point}");
     }
@@ -119,8 +119,8 @@ fn unbounded_at(tile: &Tile, point: DVec3) -> bool {
     (0..3).any(|k| faces[(k + 1) % 3] && faces[(k + 2) % 3] && (j[(k + 1) % 3] != 0.0 || j[(k + 2) % 3] != 0.0))
 }
 
-/// The sum of the magnitudes of the fields that the components of J make alone, the measure of
-/// accuracy where these nearly cancel, as in the middle of a long tile.
+/// The sum of the magnitudes of the fields of the single components of J, the measure of accuracy
+/// where these nearly cancel, as in the middle of a long tile.
 fn sum_of_components(tile: &Tile, point: DVec3, quantity: Quantity) -> f64 {
     let unit = if quantity == Quantity::FieldStrength { MU_0 } else { 1.0 };
     let components = (0..3).map(|axis| {
@@ -176,8 +176,8 @@ fn gradient_of_random_tiles() {
 }
 
 /// Beside a plane of symmetry a component of B nearly vanishes. Closer to a plate than 0.08 of its
-/// thickness, where the scalar kernel evaluates it, it has as many right digits as the other
-/// components. Elsewhere it is right to a fraction of the field only.
+/// thickness, where the scalar kernel evaluates it, its relative error is as small as for the other
+/// components. Elsewhere its error is a fraction of the field.
 #[test]
 fn small_components_beside_a_plate_keep_their_digits() {
     let mut oracle = Oracle::new();
@@ -212,11 +212,11 @@ fn extreme_sizes_and_distances_give_finite_fields() {
         for direction in [DVec3::new(0.48, -0.6, 0.64), DVec3::X, DVec3::Z] {
             let point = distance * direction;
             let found = Scene::new(&[tile]).field(Quantity::FluxDensity, point).expect("bounded");
-            // So far away the dipole is exact, while the oracle has no digits left.
+            // This far away the dipole is exact, while the oracle has lost all digits.
             let ratio = size / distance;
             let exact =
                 if ratio < 1e-20 { dipole(&tile, direction, ratio) } else { oracle.field(&tile, point).flux_density_t };
-            // Below the smallest normal number numbers have fewer digits.
+            // Subnormal numbers have fewer digits.
             let allowed = FIELD * exact.length() + f64::MIN_POSITIVE;
             assert!((found - exact).length() <= allowed, "size {size:e} at {distance:e}: {found}, not {exact}");
             let gradient = Scene::new(&[tile]).gradient(Quantity::FluxDensity, point).expect("bounded");
@@ -225,7 +225,7 @@ fn extreme_sizes_and_distances_give_finite_fields() {
     }
 }
 
-/// A component of J that is nearly zero does not spoil the gradient of the others.
+/// A nearly vanishing component of J does not spoil the gradient of the others.
 #[test]
 fn gradient_in_needles_with_a_nearly_zero_component() {
     let mut oracle = Oracle::new();

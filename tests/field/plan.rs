@@ -35,7 +35,7 @@ fn plan_of_an_exact_scene_is_direct_summation() {
     assert_eq!((plan.cost(), plan.exact_cost), (960.0, 960.0));
 }
 
-/// A grid reaches from far below a film into it. Every point is in one part of the plan, and each
+/// A grid extends from far below a film into it. Every point is in one part of the plan, and each
 /// part keeps its own bound.
 #[test]
 fn parts_of_a_grid_cover_it_and_keep_their_bounds() {
@@ -51,7 +51,7 @@ fn parts_of_a_grid_cover_it_and_keep_their_bounds() {
         let Model::Chebyshev { lower, upper, terms, error_t, distance } = part.model else { continue };
         boxes += 1;
         assert!(error_t <= 1e-7 && terms.iter().product::<usize>() <= part.points);
-        // The lower faces of the film lie at z = 0.
+        // The lower faces of the film are at z = 0.
         assert!((distance - -upper.z).abs() < 1e-12, "{distance} above {upper}");
         let inside: Vec<usize> =
             (0..grid.len()).filter(|&i| grid.point(i).cmpge(lower).all() && grid.point(i).cmple(upper).all()).collect();
@@ -77,7 +77,7 @@ fn truncation_error_of_the_tree_is_within_the_planned_bound() {
         .collect();
     let scene = within(&tiles, Tolerance::relative(1e-4).expect("positive"));
     let plan = scene.plan_at_points(&points);
-    // At points far from each other direct summation costs less.
+    // At points far from each other direct summation is faster.
     let part = &plan.parts[0];
     let Model::Tree { expanded_tiles, exact_tiles, ignored_tiles, truncation_error_t, ignored_t, .. } = part.model
     else {
@@ -95,7 +95,7 @@ fn truncation_error_of_the_tree_is_within_the_planned_bound() {
     assert!(found_t <= truncation_error_t && found_t > 0.0, "{found_t:e} of {truncation_error_t:e}");
 }
 
-/// Whatever the tolerance, no plan costs more than direct summation.
+/// For every tolerance, no plan costs more than direct summation.
 #[test]
 fn plans_never_cost_more_than_direct_summation() {
     let tiles = film(12);
@@ -112,8 +112,8 @@ fn plans_never_cost_more_than_direct_summation() {
     assert!(plan.parts.iter().all(|part| part.model == Model::Exact), "{plan:?}");
 }
 
-/// A fit of the field of one tile must save its own cost: close to the tile it needs a node for
-/// every second point, and the proof of its error costs as much as thousands of exact values.
+/// A fit of the field of one tile must save its own time: close to the tile it needs a node for
+/// every second point, and the proof of its error takes the time of thousands of exact values.
 #[test]
 fn grid_close_to_a_single_tile_is_summed_directly() {
     let one = Tile::new(DVec3::ZERO, DVec3::new(3.3, 1.7, 1.0), DVec3::new(0.3, -0.5, 0.7)).expect("a valid tile");

@@ -39,7 +39,7 @@ proptest! {
             let field = |scene: &Scene| scene.field(Quantity::FluxDensity, point).expect("no point on an edge");
             let exact = field(&scene);
             let magnitude: f64 = components.iter().map(|scene| field(scene).length()).sum();
-            // The bound of scenes, once for each side, and the rounding of the sums.
+            // The bound of scenes for each side, plus the rounding of the sums.
             let allowed = (2.0 * 2e-14 + 3.0 * tiles.len() as f64 * f64::EPSILON) * magnitude;
             prop_assert!((found[index] - exact).length() <= allowed, "{} is not {exact}", found[index]);
             for (component, value) in found[index].to_array().into_iter().enumerate() {
@@ -55,7 +55,7 @@ proptest! {
 fn points_on_an_edge_of_any_tile_are_refused() {
     let tiles = [0.0, 1.0].map(|x| tile(DVec3::new(x, 0.0, 0.0), DVec3::ONE, DVec3::Y, DVec3::ZERO));
     let points = [DVec3::new(0.5, 0.2, 3.0), DVec3::new(0.5, 0.2, 0.5)];
-    // In the scene of both tiles the seam is no edge.
+    // The seam is no edge in the scene of both tiles.
     assert!(Scene::new(&tiles).field(Quantity::FluxDensity, points[1]).is_ok());
     let error = PolarizationMap::new(&tiles, &points).unwrap_err();
     let PolarizationMapError::Points { tile: 0, errors } = &error else { panic!("{error}") };

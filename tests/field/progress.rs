@@ -8,7 +8,7 @@ use magsplice_field::{Accuracy, Grid, PointErrors, Quantity, Scene, Tile, Tolera
 
 const B: Quantity = Quantity::FluxDensity;
 
-/// Exact scenes and scenes to tolerances, of few and of many tiles.
+/// Exact scenes and scenes with tolerances, of few and of many tiles.
 fn scenes() -> Vec<Scene> {
     let film = |across: usize| {
         let tile = |n: usize| {

@@ -1,5 +1,5 @@
 //! Physical laws on random scenes: sides up to twelve decades apart, any polarization and rotation,
-//! and points on purpose near and on faces, edges, corners and their extensions.
+//! and points near and on faces, edges, corners and their extensions.
 
 use std::f64::consts::PI;
 
@@ -16,7 +16,7 @@ fn b(scene: &Scene, point: DVec3) -> Option<DVec3> {
     scene.field(Quantity::FluxDensity, point).ok()
 }
 
-/// Whether a point lies exactly on a face. The owner of a face is on one side, so mirror images
+/// Whether a point is exactly on a face. The owner of a face is on one side, so mirror images
 /// differ there.
 fn on_a_face(tile: &Tile, point: DVec3) -> bool {
     (0..3).any(|axis| {
@@ -79,12 +79,12 @@ proptest! {
         let (whole, scene) = (Scene::new(&[tile]), Scene::new(&parts));
         let owner = |scene: &Scene| scene.field(Quantity::Polarization, point).unwrap();
         if owner(&whole) != owner(&scene) {
-            // The outer faces of the parts are rounded, and the point lies within this rounding.
+            // The outer faces of the parts are rounded, and the point is within this rounding.
             let depth = (point.abs() - 0.5 * tile.size()) / tile.size().max_element();
             prop_assert!(depth.to_array().iter().any(|d| d.abs() <= 4e-16), "{point} lost its owner");
         } else if let (Some(exact), Some(found)) = (b(&whole, point), b(&scene, point)) {
             // Faces of the parts are rounded by up to two units of 1.1e-16 of the size. This
-            // changes the field as much as moving the point by that distance, so the gradients of
+            // changes the field as much as moving the point by this distance, so the gradients of
             // the whole and of its parts bound the change.
             let moved = 4.0 * 1.1e-16 * tile.size().max_element();
             let alone: Vec<Scene> = parts.iter().map(|t| Scene::new(&[*t])).collect();
@@ -96,8 +96,8 @@ proptest! {
         }
     }
 
-    /// Reversing J reverses B, and scaling lengths by a power of two keeps it, both to the last
-    /// bit. Mirroring, which exchanges near and far corners, mirrors B up to round-off.
+    /// Reversing J reverses B, and scaling lengths by a power of two does not change it, both to
+    /// the last bit. Mirroring exchanges near and far corners and mirrors B up to round-off.
     #[test]
     fn reversed_scaled_and_mirrored_tiles(tile in scenes::tile(12.0), places in scenes::face_offsets(), axis in 0..3_usize, exponent in -200..200_i32) {
         let (j, point) = (tile.polarization_t(), scenes::point(&tile, places));
@@ -143,7 +143,7 @@ proptest! {
         let size = gradient.to_cols_array().into_iter().map(f64::abs).fold(0.0, f64::max);
         let trace = gradient.x_axis.x + gradient.y_axis.y + gradient.z_axis.z;
         let skew = (gradient - gradient.transpose()).to_cols_array().into_iter().map(f64::abs).fold(0.0, f64::max);
-        // Rotating the tensor there and back costs a few roundings.
+        // Rotating the tensor there and back adds a few roundings.
         prop_assert!(trace.abs() <= 1e-14 * size && skew <= 1e-14 * size, "trace {trace:e}, skew {skew:e} of {size:e}");
 
         // Fourth-order differences with step h. Truncation: h^4 / 30 times the fifth derivative.
@@ -159,7 +159,8 @@ proptest! {
         }
     }
 
-    /// Far away the field and its gradient approach those of a dipole as (size / distance)^2.
+    /// Far away the field and its gradient approach the field and gradient of a dipole as (size /
+    /// distance)^2.
     #[test]
     fn distant_fields_approach_a_dipole(tile in scenes::tile(4.0), direction in scenes::polarization(), decades in 1.0..12.0_f64) {
         let (n, longest) = (direction.normalize(), tile.size().max_element());

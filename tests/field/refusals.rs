@@ -1,5 +1,5 @@
-//! Tolerances near the error bound of the exact field, against the oracle: what is given keeps the
-//! tolerance, and what is refused is refused for a reason.
+//! Tolerances near the error bound of the exact field, against the oracle: returned values keep the
+//! tolerance, and points are refused only for a reason.
 
 use std::cell::{Cell, RefCell};
 
@@ -11,11 +11,11 @@ use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
 
 /// The error bound of the exact field, as a fraction of the sum over tiles of the magnitudes of the
-/// fields that the components of J make alone.
+/// fields of the single components of J.
 const EXACT_BOUND: f64 = 2e-14;
 
-/// Largest factor by which the bound of a refused point may exceed that error bound
-/// (docs/physics.md, section 2.10).
+/// Largest ratio of the bound of a refused point to that error bound (docs/physics.md, section
+/// 2.10).
 const TOO_CAREFUL: f64 = 25.0;
 
 /// A tile of aspect up to 10 with one or three components of J.
@@ -81,7 +81,7 @@ fn values_near_the_limit_keep_their_tolerance_and_refusals_have_a_reason() {
     assert!(given.get().min(refused.get()) * 10 > given.get() + refused.get(), "{given:?} given, {refused:?} refused");
 }
 
-/// A scene of one tile, several tiles, and so many that they are bounded in groups.
+/// Scenes of one tile, of several tiles, and of enough tiles for bounds of groups.
 #[test]
 fn bounds_hold_at_every_distance_from_many_tiles() {
     let tile = |n: usize| {
@@ -103,8 +103,8 @@ fn bounds_hold_at_every_distance_from_many_tiles() {
     }
 }
 
-/// The elements of a single tile decide each point near it. The sum over components is at most 2.3
-/// times |B| here, and a tolerance of 1e-13 allows five times.
+/// The elements of a single tile determine the bound at each point near it. The sum over components
+/// is at most 2.3 times |B| here, and a tolerance of 1e-13 allows five times.
 #[test]
 fn tolerance_near_round_off_is_kept_near_a_single_tile() {
     let tile = Tile::new(DVec3::ZERO, DVec3::new(3.3, 1.7, 1.0), DVec3::new(0.3, -0.5, 0.7)).expect("a valid tile");

@@ -7,11 +7,11 @@ use magsplice_tests::oracle::Oracle;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// The stated bound of the exact field, as a fraction of the sum over tiles of the magnitudes of
-/// the fields that the components of J make alone.
+/// The bound of the exact field, as a fraction of the sum over tiles of the magnitudes of the
+/// fields of the single components of J.
 const EXACT_BOUND: f64 = 2e-14;
 
-/// Rods beside each other on a lattice, some of them of equal J, and a cube on every fifth place.
+/// Rods on a lattice, some of them of equal J, and a cube at every fifth lattice point.
 fn bundle(random: &mut ChaCha8Rng) -> Vec<Tile> {
     let length = 10_f64.powf(random.random_range(0.5..4.0));
     let along = random.random_range(0..3_usize);

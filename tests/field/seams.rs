@@ -1,5 +1,5 @@
-//! Touching tiles of one polarization have the field of the block they form: on their seam, beside
-//! it and on their common edges.
+//! Touching tiles of one polarization have the field of their merged block on their seam, beside it
+//! and on their common edges.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -30,7 +30,7 @@ fn around(x: f64, y: f64, z: f64) -> Vec<DVec3> {
     points
 }
 
-/// Asserts that the fields of `parts` are those of `whole` to `allowed` of |J|.
+/// Asserts that the fields of `parts` equal the fields of `whole` to `allowed` of |J|.
 #[track_caller]
 fn assert_same(parts: &[Tile], whole: &Tile, points: &[DVec3], allowed: f64) {
     let (parts, whole) = (Scene::new(parts), Scene::new(&[*whole]));
@@ -43,7 +43,7 @@ fn assert_same(parts: &[Tile], whole: &Tile, points: &[DVec3], allowed: f64) {
     }
 }
 
-/// Two unit cubes with J along z touch at x = 0, for which the field is known independently.
+/// Two unit cubes with J along z touch at x = 0. Their field is known independently.
 #[test]
 fn seam_of_two_cubes_has_the_known_field() {
     let cube = |x: f64| Tile::new(DVec3::new(x, 0.0, 0.0), DVec3::ONE, DVec3::Z).unwrap();
@@ -60,7 +60,7 @@ fn two_tiles_are_their_block() {
     assert_same(&parts, &tile([-2.0, -1.0, 0.0], [1.5, 1.0, 1.0]), &around(0.25, 0.3, 1.0), 4e-15);
 }
 
-/// At a cut line of the published film, centre +- size / 2 of the two sides are different numbers.
+/// At a cut line of the published film, centre +- size / 2 of the two sides differ.
 #[test]
 fn cuts_that_are_not_binary_fractions() {
     let cut = -5.85;
@@ -149,7 +149,7 @@ fn film_rotated_as_a_whole_keeps_its_seams() {
     let (parts, whole) = (Scene::new(&parts.each_ref().map(place)), Scene::new(&[place(&whole)]));
     for (x, y) in [(2.1, 0.4), (2.1, 1.0)] {
         for point in around(x, y, 0.9) {
-            // Nearer to the top face, rounding in this test decides the side.
+            // Nearer to the top face, rounding in this test would decide the side.
             if (point.z - 0.9).abs() >= 1e-9 {
                 let point = turn * point;
                 let error = (b(&parts, point) - b(&whole, point)).length();
@@ -172,14 +172,14 @@ fn exposed_edges_are_named() {
     let corner = DVec3::new(2.1, 0.4, 0.9);
     assert!(Scene::new(&other).field(Quantity::FluxDensity, corner).is_err());
     assert!(Scene::new(&[parts[0], parts[1]]).field(Quantity::FluxDensity, corner).is_ok());
-    // In a merged block, an edge of the outline belongs to the tile that lies there.
+    // In a merged block, an edge of the outline belongs to the tile there.
     let row = [0, 1, 2, 3].map(|i| tile([f64::from(i), 0.0, 0.0], [f64::from(i) + 1.0, 1.0, 1.0]));
     let end = Scene::new(&row).field(Quantity::FluxDensity, DVec3::new(2.5, 1.0, 1.0));
     assert_eq!(end, Err(PointErrorCause::Unbounded { tile: 2 }));
 }
 
-/// The gradient of parts that merge is that of the whole. On the edge of a computed seam it is
-/// reported as unresolved.
+/// Parts that merge have the gradient of the whole. On the edge of a computed seam it is reported
+/// as unresolved.
 #[test]
 fn gradient_on_seams() {
     let (parts, whole) = pinwheel();
@@ -250,7 +250,7 @@ fn one_owner_for_any_decimal_cuts() {
     assert_eq!(long.field(Quantity::Polarization, DVec3::new(0.1, 0.1, 0.2)), Ok(DVec3::X));
 }
 
-/// Tiles elsewhere in the plane of a seam, and slivers thinner than round-off, do not break it.
+/// Neither other tiles in the plane of a seam nor slivers thinner than round-off break the seam.
 #[test]
 fn bystanders_do_not_break_seams() {
     let e = f64::EPSILON;

@@ -1,4 +1,4 @@
-//! Fields do not depend on the number of threads, nor on how points are divided into calls.
+//! Fields do not depend on the number of threads or on the division of points into calls.
 
 use glam::{DQuat, DVec3};
 use magsplice_field::{InstructionSet, PointErrorCause, Quantity, Scene, Tile};
@@ -32,14 +32,14 @@ fn fields_are_bit_identical_for_any_threads_and_batches() {
     }
 }
 
-/// A rotated tile that is evaluated by every method: points lie in it, beside it, and up to twenty
-/// half diagonals away.
+/// A rotated tile evaluated by every method, at points in it, beside it, and up to twenty half
+/// diagonals away.
 fn one_tile() -> Scene {
     let tile = Tile::new(DVec3::new(2.0, 3.0, -1.6), DVec3::new(0.9, 0.7, 0.5), DVec3::new(0.3, -0.5, 0.7));
     Scene::new(&[tile.expect("a valid tile").rotated(DQuat::from_rotation_x(0.3)).expect("a rotation")])
 }
 
-/// Tiles each rotated by its own angle, so near to the points that batches need several methods for
+/// Tiles with different rotations, near enough to the points that batches need several methods for
 /// most of them.
 fn rotated_tiles() -> Scene {
     let tiles: Vec<Tile> = (0..6)
@@ -65,7 +65,7 @@ fn film() -> Scene {
     Scene::new(&tiles)
 }
 
-/// `tiles`, and so many scattered tiles and stacked cubes that points are sorted.
+/// `tiles`, with enough scattered tiles and stacked cubes for points to be sorted.
 fn scattered(tiles: &[Tile]) -> Scene {
     let apart = (0..150).map(|i| {
         let turn = f64::from(i);
@@ -118,8 +118,8 @@ fn assert_all_named(scene: &Scene) {
     let errors = scene.field_into(Quantity::FluxDensity, &points, &mut field).unwrap_err();
     let found: Vec<(usize, PointErrorCause)> = errors.0.iter().map(|e| (e.index, e.cause)).collect();
     let edge = PointErrorCause::Unbounded { tile: 0 };
-    // (1, 0, -1) lies on an edge and (1, 1, -1) on a corner. (0, 1, -1) lies on an edge along J,
-    // where the field is bounded.
+    // (1, 0, -1) is on an edge and (1, 1, -1) on a corner. (0, 1, -1) is on an edge along J, where
+    // the field is bounded.
     let on_grid = [(1, 0), (1, 1)].map(|(x, y)| (y * 10 + x, edge));
     let mut expected: Vec<(usize, PointErrorCause)> = on_grid.to_vec();
     expected.extend([(7, edge), (800, PointErrorCause::OutOfRange), (999, edge)]);

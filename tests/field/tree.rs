@@ -9,8 +9,8 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::ThreadPoolBuilder;
 
-/// Error allowed for the exact field, which is the reference here, as a fraction of |B|. It stands
-/// for the bound on the sum over tiles.
+/// Error allowed for the exact field, the reference here, as a fraction of |B|. It replaces the
+/// bound on the sum over tiles.
 const EXACT_ERROR: f64 = 1e-12;
 
 fn field(scene: &Scene, quantity: Quantity, points: &[DVec3]) -> (Vec<DVec3>, Vec<(usize, PointErrorCause)>) {
@@ -76,7 +76,7 @@ fn random_heaps_keep_random_tolerances() {
             let (found, _) = field(&scene.with_accuracy(Accuracy::Within(tolerance)), Quantity::FluxDensity, &points);
             for ((found, exact), point) in found.iter().zip(&exact).zip(&points) {
                 let error = (*found - *exact).length();
-                // A refused point breaks no promise.
+                // A refused point breaks no tolerance.
                 prop_assert!(
                     found.is_nan() || error <= allowed(tolerance, *exact) + EXACT_ERROR * exact.length(),
                     "{tolerance:?}: off by {error:e} of {:e} at {point}",
@@ -154,7 +154,7 @@ fn errors_are_those_of_the_exact_field() {
     assert_eq!(field(&within, Quantity::FluxDensity, &points).1, expected);
 }
 
-/// So many points that the box around them is fitted by Chebyshev expansions.
+/// Enough points for a Chebyshev fit of the box around them.
 #[test]
 fn many_points_in_a_box_without_tiles_keep_their_tolerance() {
     let (tiles, _) = film();
@@ -175,7 +175,7 @@ fn many_points_in_a_box_without_tiles_keep_their_tolerance() {
         largest = largest.max((*b - *exact).length() / exact.length());
         assert!((*b - h * MU_0).length() <= 1e-15 * exact.length());
     }
-    // The field is not exact: the fitted box was used.
+    // The field differs from the exact field, so the fit was used.
     assert!(largest <= 1e-7 && largest > 1e-13, "{largest:e}");
 }
 

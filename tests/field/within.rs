@@ -9,8 +9,8 @@ use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
 use rayon::ThreadPoolBuilder;
 
-/// Error allowed for the exact field, which is the reference here, as a fraction of |B|. Tolerances
-/// are far above it.
+/// Error allowed for the exact field, the reference here, as a fraction of |B|. Tolerances are far
+/// above it.
 const EXACT_ERROR: f64 = 1e-12;
 
 fn grid_field(scene: &Scene, quantity: Quantity, grid: &Grid) -> (Vec<DVec3>, Vec<PointErrorCause>) {
@@ -44,7 +44,7 @@ fn tolerance() -> impl Strategy<Value = Tolerance> {
     ]
 }
 
-/// Random tiles, also rotated ones, and grids far from them, near, between and in them.
+/// Random tiles, some rotated, and grids far from them, near, between and in them.
 #[test]
 fn random_scenes_keep_random_tolerances_on_grids() {
     let scenes = (
@@ -69,7 +69,7 @@ fn random_scenes_keep_random_tolerances_on_grids() {
                     Tolerance::AbsoluteT { error_t, .. } => error_t,
                 };
                 let error = (*found - *exact).length();
-                // A refused point breaks no promise.
+                // A refused point breaks no tolerance.
                 prop_assert!(
                     found.is_nan() || error <= allowed + EXACT_ERROR * exact.length(),
                     "{tolerance:?}: off by {error:e} of {:e} at {}",
@@ -135,7 +135,7 @@ fn points_that_cannot_keep_their_tolerance_are_refused() {
     assert_eq!(grid_field(&absolute, Quantity::FluxDensity, &grid).1, []);
 }
 
-/// Near a zero of the field, an expansion that keeps the tolerance elsewhere in the box does not.
+/// An expansion that keeps the tolerance elsewhere in the box misses it near a zero of the field.
 #[test]
 fn points_near_a_zero_of_the_field_keep_a_relative_tolerance() {
     let opposed = [(1.0, 1.0), (-1.0, 1.3)].map(|(j, size)| {
@@ -148,7 +148,7 @@ fn points_near_a_zero_of_the_field_keep_a_relative_tolerance() {
         let b = scene.field(Quantity::FluxDensity, DVec3::X * middle).expect("between the tiles");
         (low, high) = if b.x > 0.0 { (middle, high) } else { (low, middle) };
     }
-    // The grid has no symmetry, and one point lies very close to the zero of the field.
+    // The grid has no symmetry, and one point is very close to the zero of the field.
     let lower = DVec3::new(low + 1e-7 - 0.7, -0.9, -1.2);
     let grid = Grid::new(lower, lower + DVec3::new(2.0, 2.0, 2.0), [41; 3]).expect("a grid");
     let exact = grid_field(&scene, Quantity::FluxDensity, &grid).0;
@@ -220,7 +220,7 @@ fn fitted_fields_keep_their_bounds() {
     assert!(fitted.get() > least, "only {} boxes were fitted", fitted.get());
 }
 
-/// Boxes of different proportions, and cells that are no cubes. One tile is rotated.
+/// Boxes of different proportions, with cells of unequal sides. One tile is rotated.
 #[test]
 fn fitted_fields_have_neither_divergence_nor_curl() {
     let mut tiles = film();

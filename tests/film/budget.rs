@@ -40,7 +40,7 @@ fn with_budget<T>(
     of(&Budget::new(&model, Some(&pattern)), &model, &sampler)
 }
 
-/// The parts add up to the total, and the total is that of exact samples: within 5 % by pairs of
+/// The parts add up to the total, and the total agrees with exact samples: within 5 % by pairs of
 /// exact and linear samples, and within four standard errors by exact samples alone.
 #[test]
 fn parts_add_up_to_the_simulated_total() {
@@ -68,7 +68,7 @@ fn parts_add_up_to_the_simulated_total() {
     }
 }
 
-/// Halving a cause, or all errors of a tile, reduces the totals by what is stated.
+/// Halving a cause, or all errors of a tile, reduces the totals by the reported amount.
 #[test]
 fn halved_errors_save_what_is_stated() {
     let layout = layout("designed-displacement");
@@ -100,7 +100,7 @@ fn halved_errors_save_what_is_stated() {
     for (halved, of) in halved.iter().zip(&budget.causes) {
         agrees(halved, of.saved_mm2);
     }
-    // The four tiles around the axis save the same; the first are named.
+    // The four tiles around the axis have equal savings; the first tiles are reported.
     let tiles: Vec<usize> = budget.tiles.iter().take(4).map(|of| of.tile).collect();
     assert_eq!(tiles, [20, 22, 33, 35]);
     let mut halved = whole.clone();
@@ -108,8 +108,8 @@ fn halved_errors_save_what_is_stated() {
     agrees(&halved, budget.tiles[0].saved_mm2);
 }
 
-/// The end of the published film causes nearly all of its error. The error of the pattern of a
-/// designed film is compensated by its end.
+/// The end of the published film causes nearly all of its error. The end of a designed film
+/// compensates the error of its pattern.
 #[test]
 fn pattern_and_finite_film_make_the_nominal_error() {
     let parts = |name: &str| {

@@ -1,5 +1,4 @@
-//! The rules that docs/design.md states for the designed films and that `magsplice check` does not
-//! check.
+//! The rules of docs/design.md for designed films that `magsplice check` does not check.
 
 use std::fs;
 
@@ -18,7 +17,7 @@ fn designed_films_keep_their_size_strength_cuts_and_parts() {
     for path in designed {
         let layout = Layout::read(&path).unwrap_or_else(|error| panic!("{error}"));
         let name = &layout.name;
-        // The film spans two wavelengths, like the published one.
+        // The film spans two wavelengths, like the published film.
         let half_mm = layout.ideal.expect("an ideal film").wavelength();
         let brief = layout.brief.as_ref().expect("a design");
         let least_mm = brief.smallest_cut_mm.unwrap_or(0.8);

@@ -1,4 +1,4 @@
-//! Splicing patterns without end, against very large films and against series known in closed form.
+//! Endless splicing patterns, against very large films and against series in closed form.
 
 use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 
@@ -53,8 +53,8 @@ fn repeated_t(period: &[Tile], n: i32, points: &[DVec3]) -> Vec<DVec3> {
 
 /// An upper bound of the field of all periods beyond n x n, at points within 2.5 mm of the centre
 /// along x and y and 5 mm along z. A tile at R + s has the field f(R + s - r) of a dipole m dV. The
-/// moments of a period have no sum, and those at R and -R have opposite first moments in f. So only
-/// second derivatives are left, at most 24 |m| / (4 pi d^5) at the distance d times half the square
+/// moments of a period have no sum, and periods at R and -R have opposite first moments in f. Only
+/// second derivatives remain, at most 24 |m| / (4 pi d^5) at the distance d times half the square
 /// of the shift |s| + |r|.
 fn beyond_t(period: &[Tile], n: i32) -> f64 {
     let reach = 0.5 * WAVELENGTH * 2.0_f64.sqrt() + DVec3::new(2.5, 2.5, 5.0).length();
@@ -88,9 +88,9 @@ fn endless_pattern_is_the_limit_of_large_films() {
             assert!((*film - *endless).length() < allowed, "{n}: {film}, not {endless} within {allowed}");
         }
     }
-    // What is missing falls as n^-3, then n^-5: the sum over R of even derivatives. Without the
-    // first term the remaining difference falls by 32 from one pair of films to the next, to the
-    // first part of 31 of the change between them. A tenth is allowed.
+    // The missing field falls as n^-3, then n^-5: the sum over R of even derivatives. Without the
+    // first term the remaining difference falls by 32 from one pair of films to the next, to a 31st
+    // of the change between them. A tenth is allowed.
     let limit = |(a, of_a): &(i32, Vec<DVec3>), (b, of_b): &(i32, Vec<DVec3>), at: usize| {
         let [a, b] = [a, b].map(|n| f64::from(*n).powi(3));
         (of_b[at] * b - of_a[at] * a) / (b - a)
@@ -128,7 +128,7 @@ fn harmonics_of_the_published_pattern_are_the_known_ones() {
                 assert_eq!([real, imaginary], [DVec3::ZERO; 2]);
                 continue;
             }
-            // J is -i times these, so that -i q J is real.
+            // J is -i times these, so -i q J is real.
             let charge = -(q.x * wave(m) * weight(n) + q.y * weight(m) * wave(n)) * 0.12;
             let potential = charge * (q.length() * z).exp() * -(-q.length()).exp_m1() / (2.0 * q.length_squared());
             let wanted =
@@ -137,10 +137,11 @@ fn harmonics_of_the_published_pattern_are_the_known_ones() {
             assert!(difference < 1e-16, "{m}, {n}: {real}, {imaginary}, not {wanted:?}");
         }
     }
-    // Wide intervals of about two thirds of half a wavelength leave little of the third harmonic.
+    // Wide intervals of about two thirds of half a wavelength nearly cancel the third harmonic.
     assert!((wave(3) / wave(1)).abs() < 0.013);
-    // The amplitude against the ideal film is that of the first harmonic, 0.884, but for harmonics
-    // such as (1, 2), which are not orthogonal to it in a volume of less than a wavelength.
+    // The amplitude against the ideal film is the amplitude of the first harmonic, 0.884, except
+    // for the effect of harmonics such as (1, 2), which are not orthogonal to it in a volume of
+    // less than a wavelength.
     let volume = film.volume.as_ref().expect("stated");
     let volume = EvaluationGrid { grid: volume.grid, reference: volume.reference_mm };
     let errors = pattern.errors(&volume).expect("errors");
@@ -150,14 +151,14 @@ fn harmonics_of_the_published_pattern_are_the_known_ones() {
 }
 
 /// Many narrow tiles with the polarization of the ideal film at their centres. Their first
-/// harmonics are those of the ideal film times sinc(pi / n) twice, for the average over x and over
-/// y of one component each, and the next are n - 1 and n + 1.
+/// harmonics are the ideal film's times sinc(pi / n) twice, for the average over x and over y of
+/// one component each, and the next are n - 1 and n + 1.
 #[test]
 fn pattern_of_narrow_tiles_is_the_ideal_film() {
     let n = 20;
     let width = WAVELENGTH / f64::from(n);
     let k = TAU / WAVELENGTH;
-    // They begin off the border, so that tiles are cut there.
+    // They begin off the border, so the border cuts tiles.
     let centres: Vec<f64> = (-1..=n).map(|i| (f64::from(i) + 0.2) * width - 0.5 * WAVELENGTH).collect();
     let tiles: Vec<Tile> = centres
         .iter()

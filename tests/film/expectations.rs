@@ -63,9 +63,10 @@ fn any_changed_digit_of_the_published_film_breaks_its_expectations() {
     assert!(tried > 60, "{tried}");
 }
 
-/// The tolerance `within` = 1e-12 follows from the bound of `Scene`, 2e-14 of the sum of the fields
-/// that the components of the tiles' polarization make alone: two computations that keep it differ
-/// by no more at any point of the baseline, whatever their instruction sets.
+/// The tolerance `within` = 1e-12 follows from the bound of `Scene`, 2e-14 of the sum of the
+/// magnitudes of the fields of the single components of the tiles' polarization: two computations
+/// that keep it agree within the tolerance at every point of the baseline, for all instruction
+/// sets.
 #[test]
 fn baseline_holds_for_every_instruction_set() {
     const BOUND: f64 = 2e-14;
@@ -98,7 +99,7 @@ fn baseline_holds_for_every_instruction_set() {
 /// Expectations are evaluated independently of each other.
 #[test]
 fn expectations_that_fail_to_evaluate_leave_the_others() {
-    // The reference lies at a zero of B_z, and there is no baseline.
+    // The reference is at a zero of B_z, and there is no baseline.
     let text = published().replace("reference_mm = [0.0, 0.0, -5.0]", "reference_mm = [1000.0, 1000.0, 5.0]");
     let layout = Layout::parse(&text, "changed").unwrap();
     let outcomes = Film::new(layout).unwrap().outcomes(None);

@@ -30,9 +30,9 @@ fn with_model<T>(name: &str, errors: &TileErrors, of: impl FnOnce(&FirstOrder, &
     of(&model, &Sampler::new(&film, &volume, &ideal, 1).expect("no neighbour"))
 }
 
-/// Shares of the variance against those of an independent computation with samples, in percent
-/// without digits, and one percent more. Shares of positions and sizes were measured less well
-/// there, and are compared with exact samples below.
+/// Shares of the variance against an independent computation with samples, in whole percent, plus
+/// one percent. Shares of positions and sizes are less accurate there, and are compared with exact
+/// samples below.
 #[test]
 fn shares_of_causes_are_the_known_ones() {
     let AxisErrors { shares, variance_mm2, expected_mm2, tiles, .. } =
@@ -55,8 +55,8 @@ fn shares_of_causes_are_the_known_ones() {
     assert!((of_tiles - variance_mm2).abs() < 1e-12 * variance_mm2);
 }
 
-/// The mean square of exact samples with one cause alone is what this cause contributes, within
-/// four standard errors of the mean.
+/// The mean square of exact samples with one cause alone equals the contribution of this cause,
+/// within four standard errors of the mean.
 #[test]
 fn shares_of_causes_are_those_of_exact_samples_of_one_cause() {
     let all = errors(1.0);
@@ -84,7 +84,7 @@ fn shares_of_causes_are_those_of_exact_samples_of_one_cause() {
     }
 }
 
-/// Whether the model is valid is told by exact samples. It is for all designed films.
+/// Exact samples decide whether the model is valid. It is valid for all designed films.
 #[test]
 fn model_is_valid_for_designed_films_with_errors_of_a_workshop() {
     let names = std::fs::read_dir(folder())
@@ -103,8 +103,8 @@ fn model_is_valid_for_designed_films_with_errors_of_a_workshop() {
     assert!(count >= 12, "{count} designed films");
 }
 
-/// Second derivatives of the published film are multiplied by its large nominal errors. Mean
-/// squares are right to 2 %, but the variance of samples is larger by a tenth and more.
+/// Second derivatives of the published film are multiplied by its large nominal errors. The error
+/// of mean squares is 2 %, but the variance of samples is larger by a tenth and more.
 #[test]
 fn model_of_the_published_film_has_its_mean_square_but_not_its_variance() {
     let check = with_model("published-film", &errors(1.0), |model, sampler| model.check(sampler, 0..200, || {}));
@@ -118,7 +118,7 @@ fn model_of_the_published_film_has_its_mean_square_but_not_its_variance() {
     assert!(!check.is_valid());
 }
 
-/// All errors but those of size, which leave no tile.
+/// All errors except errors of size, which would remove tiles.
 #[test]
 fn model_is_not_valid_for_errors_twenty_times_larger() {
     let large = TileErrors { size: errors(1.0).size, ..errors(20.0) };
@@ -127,8 +127,8 @@ fn model_is_not_valid_for_errors_twenty_times_larger() {
     assert_eq!(valid, Ok([false; 3]));
 }
 
-/// Percentiles of the linear model against exact samples with the same random numbers, so that both
-/// have the same error of sampling. The largest errors are the least linear.
+/// Percentiles of the linear model against exact samples with the same random numbers, and
+/// therefore the same error of sampling. The largest errors are the least linear.
 #[test]
 fn percentiles_of_the_model_are_those_of_exact_samples() {
     with_model("designed-displacement", &errors(1.0), |model, sampler| {

@@ -1,7 +1,8 @@
-//! Random edits of the shipped layouts, and arbitrary text: each is read, or refused in words.
+//! Random edits of the shipped layouts, and arbitrary text: each is read, or refused with a
+//! message.
 //!
 //! `cargo test --features magsplice-tests/all-cases --test film fuzz -- --nocapture` runs all cases
-//! and prints how often each edit was read and refused.
+//! and prints the numbers of edits read and refused.
 
 use std::cell::RefCell;
 use std::path::PathBuf;
@@ -14,7 +15,7 @@ use proptest::test_runner::{Config, TestRunner};
 
 use crate::shipped;
 
-/// Longest message about a layout. It names at most twenty faults of each sort.
+/// Longest message about a layout. It lists at most twenty faults of each sort.
 const LONGEST_MESSAGE: usize = 20_000;
 
 /// Values that replace a number. Repetitions of a billion are refused; a thousand would make films
@@ -114,8 +115,8 @@ fn with_number(text: &str, at: Index, value: &str) -> String {
     format!("{}{value}{}", &text[..start], &text[end..])
 }
 
-/// Reads a text. A layout is written and read again; a message is short and safe for a terminal.
-/// Returns whether the text was read.
+/// Reads a text, then writes a layout and reads it again. A message must be short and safe for a
+/// terminal. Returns whether the text was read.
 fn read(text: &str) -> Result<bool, TestCaseError> {
     match Layout::parse(text, "fuzz.toml") {
         Ok(layout) => {

@@ -74,8 +74,7 @@ fn grid_and_mirrors_repeat_a_tile_of_a_kind() {
 }
 
 /// Compares the field of a tile and its image on both sides of the mirror. B is a pseudovector, so
-/// "axial" makes a mirror-symmetric magnet, and "reflect" one that is mirror-symmetric up to the
-/// sign.
+/// "axial" gives a mirror-symmetric magnet, and "reflect" a mirror-symmetric magnet up to the sign.
 #[test]
 fn field_of_mirrored_rotated_tiles_is_symmetric() {
     for (polarization, signs) in [("reflect", DVec3::new(-1.0, 1.0, 1.0)), ("axial", DVec3::new(1.0, -1.0, -1.0))] {
@@ -345,7 +344,7 @@ fn faulty_expectations_are_refused() {
     }
 }
 
-/// A number too many is refused in every list of numbers but those of any length.
+/// A surplus number is refused in every list of fixed length.
 #[test]
 fn lists_that_are_too_long_are_refused() {
     let any_length = ["widths_mm", "pattern", "values"];

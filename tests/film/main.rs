@@ -1,10 +1,10 @@
-//! Layout files, the shipped films, and the numbers known of them.
+//! Layout files, the shipped films, and their known numbers.
 
 /// Error budgets, against exact samples.
 mod budget;
-/// The rules that `docs/design.md` states for the designed films.
+/// The rules of `docs/design.md` for the designed films.
 mod designed;
-/// Splicing patterns without end, against very large films.
+/// Endless splicing patterns, against very large films.
 mod endless_pattern;
 /// The published film against its expectations, and changed films against them.
 mod expectations;
@@ -14,7 +14,7 @@ mod first_order;
 mod fuzz;
 /// The rules of layout files and their error messages.
 mod layout_files;
-/// The published film against numbers known of it.
+/// The published film against known numbers.
 mod published;
 /// Films with errors of their tiles, against known percentiles.
 mod real_films;

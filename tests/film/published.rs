@@ -56,7 +56,7 @@ fn layout_with_components_of_full_strength_decouples_alike() {
     assert!((d.uniformity_rmse.r_x.unwrap() - 0.0630).abs() <= 0.5e-4);
     assert!((d.uniformity_rmse.s_z.unwrap() - 0.0417).abs() <= 0.5e-4);
     let amplitude = Film::new(layout("published-film-component")).unwrap().compare().unwrap().comparison.amplitude;
-    // Dai 2024 states a rise "from 0.81 to 1.00", which over the grid is 0.819 and 1.011.
+    // Dai 2024 reports a rise "from 0.81 to 1.00"; over the grid it is 0.819 and 1.011.
     assert!((amplitude - 1.00).abs() <= 0.012, "{amplitude}");
 }
 

@@ -30,9 +30,9 @@ fn normal(deviations: [f64; 3]) -> [Distribution; 3] {
 }
 
 /// Whether a known value of as many samples agrees with an estimate: the difference of two
-/// estimates has 2^1/2 times the error of one. The interval of 95 % is widened to that of 99.7 %,
-/// with the rounding of the known value. Its longer half counts, since the other estimate may lie
-/// on the other side.
+/// estimates has 2^1/2 times the error of one. The interval of 95 % is widened to 99.7 %, plus the
+/// rounding of the known value. Its longer half counts, because the other estimate may be on either
+/// side.
 fn agrees(found: Estimate, known: f64, rounding: f64) -> bool {
     let widened = 2.0_f64.sqrt() * 3.0 / 1.96;
     let half = found.interval.map(|end| (end - found.value).abs()).into_iter().fold(0.0, f64::max);
@@ -128,7 +128,7 @@ fn causes_outside_the_tiles_have_the_known_displacement_errors() {
             1e-6,
         ),
         (CommonErrors { temperature: Some(warm), ..none.clone() }, [0.000_056, 0.019_194], 1e-6),
-        // The mean over samples varies by the noise of the one reading at the reference point.
+        // The mean over samples varies with the noise of the one reading at the reference point.
         (
             CommonErrors { sensor: SensorErrors { noise_t: normal([5e-6; 3]), ..sensor }, ..none },
             [0.0115, 0.0056],

@@ -1,4 +1,4 @@
-//! Films of tiles with a recoil permeability that are made, against the solution of each.
+//! Real films of tiles with a recoil permeability, against the solution of each.
 
 use magsplice::Film;
 use magsplice::layout::{Distribution, FilmTolerance, NamedTile, TileErrors};
@@ -8,16 +8,16 @@ use magsplice::tolerance::{EvaluationGrid, RealFilm, Sampler};
 
 use crate::shipped::layout;
 
-/// What the tiles lack on each side, so that misplaced ones do not overlap.
+/// Gap on each side of the tiles, which prevents overlaps of misplaced tiles.
 const GAP_MM: f64 = 0.1;
 
-/// Largest difference of a displacement error, as a share of the susceptibility. That of the field
-/// is the field of a tile in its neighbours times the susceptibility, 0.1 to 0.4 of it; of a root
-/// mean square along one axis a part.
+/// Largest difference of a displacement error, as a share of the susceptibility. The difference of
+/// the field is the field of a tile in its neighbours times the susceptibility, 0.1 to 0.4 of it; a
+/// root mean square along one axis has a part of it.
 const NEGLECTED: f64 = 0.4;
 
-/// A sample has the errors of its tiles, and what these change in the polarization of other tiles
-/// is neglected. The solution of the sample, of as many cells, has nearly the same errors.
+/// A sample has the errors of its tiles and neglects their effect on the polarization of other
+/// tiles. The solution of the sample, with as many cells, has nearly the same errors.
 #[test]
 fn errors_of_films_with_recoil_are_those_of_solved_films() {
     let [strength, degree, place] = [0.03, 1.0_f64.to_radians(), 0.02].map(Distribution::normal);

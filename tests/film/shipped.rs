@@ -10,7 +10,7 @@ pub(crate) fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../layouts")
 }
 
-/// A layout with every key of the format, beside the shipped ones.
+/// A layout with every key of the format, in addition to the shipped layouts.
 pub(crate) const EVERY_KEY: &str = include_str!("every_key.toml");
 
 /// The shipped layout `<name>.toml`.

@@ -1,8 +1,8 @@
-//! The field of a cuboid from the textbook formula in numbers of many digits.
+//! The field of a cuboid by the textbook formula in numbers of many digits.
 //!
 //! The textbook formula (eight corners, a logarithm or an arctangent each; docs/physics.md, P1)
 //! loses up to 3 digits per decade of distance and per axis of thinness. With 448 bits, which are
-//! 130 digits, enough are left for any binary64 input used here. The oracle shares no code and no
+//! 130 digits, enough remain for any binary64 input used here. The oracle shares no code and no
 //! rearrangement with the library.
 
 use astro_float::{BigFloat, Consts, RoundingMode};
@@ -17,7 +17,7 @@ const MODERATE_BITS: usize = 192;
 const ROUND: RoundingMode = RoundingMode::ToEven;
 
 /// Displacement of a point on a face, upwards, as a power of two of the distance to the nearest
-/// other face. It implements the rule of the library that a tile owns its lower faces.
+/// other face. It implements the library's rule that a tile owns its lower faces.
 const NUDGE_EXPONENT: i32 = -120;
 
 /// Step of central differences, as a power of two of the distance to the nearest face. Their
@@ -56,7 +56,7 @@ impl Oracle {
 
     /// An oracle of 57 digits, several times faster.
     ///
-    /// It is for points at up to 1e4 sizes from tiles whose sides differ by up to 1e5: there the
+    /// It serves points at up to 1e4 sizes from tiles whose sides differ by up to 1e5, where the
     /// formula loses at most 12 digits by distance and 10 by thinness.
     ///
     /// # Panics
@@ -71,7 +71,7 @@ impl Oracle {
 
     /// The field of a tile; on its faces the limit from the side that owns the face.
     ///
-    /// Nothing is rounded in the frame of a rotated tile, whose quaternion may have any norm.
+    /// The frame of a rotated tile adds no rounding, and its quaternion may have any norm.
     pub fn field(&mut self, tile: &Tile, point: DVec3) -> OracleField {
         let num = self.arithmetic;
         let offsets = num.offsets(tile, point);
@@ -273,10 +273,10 @@ fn rounded(v: &[BigFloat; 3]) -> DVec3 {
     DVec3::from_array(v.each_ref().map(to_f64))
 }
 
-/// The nearest f64, by way of decimal digits.
+/// The nearest f64, through decimal digits.
 fn to_f64(value: &BigFloat) -> f64 {
     let mut rounded = value.clone();
-    // About 38 digits are enough to round to 17, and faster to print.
+    // About 38 digits suffice to round to 17, and are faster to print.
     rounded.set_precision(128, ROUND).expect("a valid precision");
     rounded.to_string().parse().expect("a printed number")
 }

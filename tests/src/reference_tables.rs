@@ -1,6 +1,6 @@
 //! The tables in `tests/reference`: fields of one cuboid to 40 digits.
 //!
-//! The README in that folder says how they were computed.
+//! The README in that folder describes their computation.
 
 use std::path::Path;
 
@@ -38,8 +38,8 @@ impl ReferenceRow {
 /// The rows of `tests/reference/<name>.csv`.
 ///
 /// # Panics
-/// If the table is missing or malformed, or does not have `rows` rows, so that no test passes
-/// because nothing ran.
+/// If the table is missing or malformed, or does not have `rows` rows; a test must not pass without
+/// cases.
 pub fn read(name: &str, rows: usize) -> Vec<ReferenceRow> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("reference").join(name).with_extension("csv");
     let mut reader = csv::Reader::from_path(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));

@@ -1,12 +1,12 @@
-//! Random tiles and points for property tests, on purpose near and on faces, edges, corners and
-//! their extensions.
+//! Random tiles and points for property tests, near and on faces, edges, corners and their
+//! extensions.
 
 use glam::{DQuat, DVec3};
 use magsplice_field::Tile;
 use proptest::prelude::*;
 
 /// A component of J in tesla: zero, up to 1, between 1e-3 and 1 of either sign, or between 1e-30
-/// and 1e-15 as round-off leaves of zero.
+/// and 1e-15 like the round-off of zero.
 fn component() -> impl Strategy<Value = f64> {
     prop_oneof![
         1 => (-30.0..-15.0_f64).prop_map(|d| 10_f64.powf(d)),
@@ -43,7 +43,7 @@ pub fn rotation() -> impl Strategy<Value = DQuat> {
     prop_oneof![Just(DQuat::IDENTITY), quarter, any]
 }
 
-/// Where a coordinate lies relative to the two faces of a tile along one axis.
+/// The position of a coordinate relative to the two faces of a tile along one axis.
 #[derive(Clone, Copy, Debug)]
 pub enum FaceOffset {
     /// Exactly on the lower (false) or upper (true) face.
@@ -59,7 +59,7 @@ pub enum FaceOffset {
     },
     /// Halfway between the faces.
     Middle,
-    /// Between the faces, from -1 at the lower to 1 at the upper one.
+    /// Between the faces, from -1 at the lower to 1 at the upper face.
     Between(f64),
     /// Outside, at this multiple of half the size from the middle.
     Away(f64),

@@ -5,7 +5,7 @@ use std::fmt;
 
 use glam::DVec3;
 
-/// Values of B at the points of a working volume, stored to compare later fields with.
+/// Values of B at the points of a working volume, stored for comparison with later fields.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Baseline {
     /// The points, in millimetres.
@@ -18,15 +18,15 @@ pub struct Baseline {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct BaselineDifference {
-    /// Length of the difference of the two values of B, divided by the length of the longer one. It
-    /// is 0 for equal values and at most 2.
+    /// Length of the difference of the two values of B, over the length of the longer. It is 0 for
+    /// equal values and at most 2.
     pub relative: f64,
     /// The first point with that difference, in millimetres.
     #[cfg_attr(feature = "serde", serde(rename = "at_mm"))]
     pub at: DVec3,
 }
 
-/// Why a field and a baseline cannot be compared: they are not at the same points.
+/// The reason why a field and a baseline cannot be compared: their points differ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum PointsMismatch {
@@ -56,7 +56,7 @@ impl Baseline {
     /// Round-off of a few times 1e-16 of the longer value of B.
     ///
     /// # Errors
-    /// If the points are not those of the baseline, in its order and to the last digit.
+    /// If the points differ from the points of the baseline in order or in any digit.
     ///
     /// # Panics
     /// If `field_t` does not have one value per point, or the baseline does not.
@@ -131,7 +131,7 @@ mod tests {
         baseline.difference(baseline.points.clone().into_iter(), now).unwrap()
     }
 
-    /// The point with the larger difference in tesla is not the worst one, because differences are
+    /// The point with the larger difference in tesla is not the worst, because differences are
     /// relative to |B|.
     #[test]
     fn worst_point_is_relative_to_its_own_field() {
@@ -143,7 +143,7 @@ mod tests {
         assert_eq!(difference(&before, &before).relative, 0.0);
     }
 
-    /// Of points with the same difference the first is named.
+    /// The first of points with the same difference is reported.
     #[test]
     fn difference_is_divided_by_the_longer_value() {
         let short = DVec3::new(3.0, 4.0, 0.0);

@@ -5,7 +5,7 @@ use magsplice_magnet::{Tile, overlap};
 
 use crate::oriented_box::OrientedBox;
 
-/// The least distance between a box and tiles.
+/// The smallest distance between a box and tiles.
 ///
 /// ```
 /// use glam::DVec3;
@@ -21,8 +21,8 @@ use crate::oriented_box::OrientedBox;
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Clearance {
     /// The smallest distance between a point of the box and a point of a tile, in the unit of the
-    /// tiles. Negative if a tile reaches into the box: then it is minus the shortest displacement
-    /// by which the tile leaves the box.
+    /// tiles. If a tile penetrates the box, minus the shortest displacement by which the tile
+    /// leaves it.
     pub distance: f64,
     /// Index of the nearest tile.
     pub tile: usize,
@@ -36,7 +36,7 @@ impl Clearance {
     /// A few units of round-off of the coordinates.
     pub fn from_tiles(tiles: &[Tile], lower: DVec3, upper: DVec3) -> Option<Clearance> {
         let region = OrientedBox::between(lower, upper);
-        // No tile can reach deep into a box that is too thin to be a tile.
+        // No tile penetrates a box deeply that is too thin for a tile.
         let solid = Tile::new(0.5 * (lower + upper), upper - lower, DVec3::ZERO).ok();
         let mut least: Option<Clearance> = None;
         for (index, tile) in tiles.iter().enumerate() {
@@ -76,7 +76,7 @@ mod tests {
     fn distances_from_a_face_a_side_and_a_corner() {
         assert_eq!(clearance(&[tile([0.0, 0.0, 0.5])]), Clearance { distance: 3.0, tile: 0 });
         assert_relative_eq!(clearance(&[tile([0.0, 4.0, -4.0])]).distance, 4.0 - 0.85 - 2.0);
-        // The nearest corner is off by (3, 4, 12).
+        // The offset of the nearest corner is (3, 4, 12).
         let off = [2.0 + 3.0 + 1.65, 2.0 + 4.0 + 0.85, -3.0 + 12.0 + 0.5];
         assert_relative_eq!(clearance(&[tile(off)]).distance, 13.0, max_relative = 1e-15);
         assert_eq!(Clearance::from_tiles(&[], LOWER, UPPER), None);
@@ -97,7 +97,7 @@ mod tests {
         assert_eq!(clearance(&tiles), Clearance { distance: 1.0, tile: 20 });
         tiles.reverse();
         assert_eq!(clearance(&tiles), Clearance { distance: 1.0, tile: 0 });
-        // Of tiles at the same distance the first is named.
+        // The first of tiles at the same distance is reported.
         tiles.push(tile([0.0, 0.0, -1.5]));
         assert_eq!(clearance(&tiles), Clearance { distance: 1.0, tile: 0 });
     }
@@ -111,7 +111,7 @@ mod tests {
     }
 
     proptest! {
-        /// Only tiles that are certainly further are skipped, from volumes of any size.
+        /// Only tiles that are certainly farther are skipped, for volumes of any size.
         #[test]
         fn clearance_of_many_tiles_is_the_least_of_single_ones(
             tiles in prop::collection::vec((prop::array::uniform3(-15.0..15.0_f64), -3.0..3.0_f64), 2..20),

@@ -1,9 +1,9 @@
-//! Expectations of a film: the bounds that its layout states, compared with computed values.
+//! Expectations of a film: the bounds of its layout, compared with computed values.
 //!
 //! * [`Outcome`]: one expectation with its value, bound and margin.
 //! * [`Baseline`]: a stored field, and the difference of another field from it.
 //! * [`Clearance`]: the distance of the tiles from the working volume.
-//! * [`keeps_bounds`]: whether a film that is made keeps its bounds.
+//! * [`keeps_bounds`]: whether a real film keeps its bounds.
 //! * [`NarrowGaps`]: the pairs of tiles that almost touch.
 //!
 //! Lengths in millimetres, as in layout files. This crate computes no field, reads no files and
@@ -27,7 +27,7 @@
 mod baseline;
 /// The distance of tiles from the working volume.
 mod clearance;
-/// Bounds that each film that is made keeps or breaks.
+/// Bounds of real films.
 mod made;
 /// Tiles that almost touch.
 mod narrow_gaps;

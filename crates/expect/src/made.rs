@@ -1,4 +1,4 @@
-//! Expectations of films that are made: bounds that each sample keeps or breaks.
+//! Expectations of real films: bounds that each sample keeps or breaks.
 
 use magsplice_decouple::{Figure, Figures};
 use magsplice_layout::{FigureBounds, MadeExpectations};
@@ -6,8 +6,8 @@ use magsplice_tolerance::probability_of_at_least;
 
 use crate::outcome::{Bound, Expectation, Location, Outcome};
 
-/// Whether a film keeps the bounds of its figures. An undefined uniformity keeps none. `None` if
-/// there are no bounds.
+/// Whether a film keeps the bounds of its figures. An undefined uniformity keeps no bound. `None`
+/// without bounds.
 pub fn keeps_bounds(bounds: &FigureBounds, figures: &Figures) -> Option<bool> {
     let is_kept = |(figure, value): (Figure, Option<&f64>)| {
         let bound = Bound::of(bounds, figure)?;
@@ -17,20 +17,20 @@ pub fn keeps_bounds(bounds: &FigureBounds, figures: &Figures) -> Option<bool> {
 }
 
 impl Outcome {
-    /// The outcome for a figure of the films that are made, from the figures of samples. `None` if
-    /// the layout does not bound the figure, or too few samples have it to break any bound with the
-    /// confidence that the layout states.
+    /// The outcome for a figure of real films, from the figures of samples. `None` if the layout
+    /// does not bound the figure, or too few samples have it to break any bound with the confidence
+    /// of the layout.
     ///
-    /// The value is the limit that the percentile passes with this confidence, so that a film at
-    /// its bound does not fail by chance: if more films than the percentile allows were beyond this
-    /// value, that would be so by chance only with a probability of 1 less the confidence, by the
-    /// exact binomial distribution. The location has the percentile itself.
+    /// The value is a confidence limit of the percentile by the exact binomial distribution: the
+    /// percentile is beyond this value with the confidence of the layout, so a film at its bound
+    /// fails by chance only with a probability of 1 minus the confidence. The location has the
+    /// percentile.
     ///
     /// # Panics
     /// Without samples.
     pub fn from_made(expected: &MadeExpectations, figure: Figure, errors: &[Figures]) -> Option<Outcome> {
         let bound = Bound::of(&expected.bounds, figure)?;
-        // The films beyond the percentile come first.
+        // Films beyond the percentile come first.
         let mut sorted: Vec<f64> = errors.iter().filter_map(|errors| errors.get(figure).copied()).collect();
         match bound {
             Bound::AtMost(_) => sorted.sort_by(|a, b| b.total_cmp(a)),
@@ -91,7 +91,7 @@ mod tests {
     }
 
     /// Of 100 films, 5 are beyond the 95th percentile on average, and 10 or more with a probability
-    /// of 0.028; 9 or more with 0.063. So the tenth largest value is the limit.
+    /// of 0.028; 9 or more with 0.063. The tenth largest value is therefore the limit.
     #[test]
     fn a_bound_fails_only_if_samples_exclude_it() {
         let errors: Vec<Figures> = (1..=100).map(|n| with_displacement(f64::from(n))).collect();

@@ -5,8 +5,8 @@ use rstar::{AABB, RTree, RTreeObject};
 
 use crate::oriented_box::OrientedBox;
 
-/// Gaps below this fraction of the largest coordinate are round-off of tiles that touch: a thousand
-/// times the rounding of a coordinate, and far below the digits that layouts are written with.
+/// Gap, as a fraction of the largest coordinate, below which tiles touch. It is a thousand times
+/// the rounding of a coordinate, and far below the digits of layouts.
 const TOUCHING: f64 = 1e-12;
 
 /// The pairs of tiles with a narrow gap between them.
@@ -31,8 +31,8 @@ pub struct NarrowGaps {
 }
 
 impl NarrowGaps {
-    /// The pairs of tiles that do not touch and are less than `limit` apart. `None` if there are
-    /// none. The cost is about N log N for N tiles with few neighbours each.
+    /// The pairs of tiles less than `limit` apart that do not touch. `None` without such pairs. The
+    /// time is about N log N for N tiles with few neighbours each.
     ///
     /// # Accuracy
     /// A few units of round-off of the coordinates. Tiles whose gap is below 1e-12 of the largest
@@ -55,7 +55,7 @@ impl NarrowGaps {
             let own = OrientedBox::from_tile(&tiles[first]);
             for near in tree.locate_in_envelope_intersecting(envelope).filter(|near| near.index > first) {
                 let gap = own.distance(&OrientedBox::from_tile(&tiles[near.index]));
-                // A gap equal to the limit is not below it, whatever its round-off.
+                // A gap equal to the limit up to round-off is not below it.
                 if gap > touching && gap < limit - touching {
                     let earlier = found.unwrap_or(NarrowGaps { pairs: 0, smallest: gap });
                     found = Some(NarrowGaps { pairs: earlier.pairs + 1, smallest: earlier.smallest.min(gap) });

@@ -19,16 +19,15 @@ impl OrientedBox {
         OrientedBox { centre: 0.5 * (lower + upper), half: 0.5 * (upper - lower), axes: DMat3::IDENTITY }
     }
 
-    /// Whether the circumscribed spheres are at least this far apart, which implies the same for
-    /// the boxes.
+    /// Whether the circumscribed spheres, and therefore the boxes, are at least this far apart.
     pub(crate) fn certainly_beyond(&self, other: &OrientedBox, distance: f64) -> bool {
         self.centre.distance(other.centre) - self.half.length() - other.half.length() >= distance
     }
 
-    /// The distance of two boxes that share no volume.
+    /// The distance of two disjoint boxes.
     ///
-    /// Two such convex bodies have nearest points that are a corner of one and a point of the
-    /// other, or that lie on an edge of each.
+    /// The nearest points of two such convex bodies are a corner of one and a point of the other,
+    /// or points on an edge of each.
     pub(crate) fn distance(&self, other: &OrientedBox) -> f64 {
         if self.axes == other.axes {
             let shift = self.axes.transpose() * (other.centre - self.centre);
@@ -79,7 +78,7 @@ impl BoxEdge {
         let (c, f) = (self.along.dot(between), other.along.dot(between));
         let b = self.along.dot(other.along);
         let denominator = a * e - b * b;
-        // Parallel edges have nearest points anywhere along their common part, so the search may
+        // Nearest points of parallel edges are anywhere along their common part, so the search may
         // begin at the start.
         let s = if denominator > 0.0 { ((b * f - c * e) / denominator).clamp(0.0, 1.0) } else { 0.0 };
         let t = ((b * s + f) / e).clamp(0.0, 1.0);
@@ -134,11 +133,11 @@ mod tests {
             let way = DVec3::from(way);
             prop_assume!(way.length() > 0.1);
             let a = oriented_box(DVec3::new(4.0, 4.0, 2.0), DVec3::ZERO, DQuat::IDENTITY);
-            // The centre is so far away that the boxes share no volume.
+            // The centre is far enough away for disjoint boxes.
             let b = oriented_box(size.into(), way.normalize() * 5.7, turn);
             let (found, projected) = (a.distance(&b), by_projection(&a, &b));
-            // The distance is at most that of the two points found. It is below that only by what
-            // further projections would gain.
+            // The distance is at most the distance of the two found points, minus at most the gain
+            // of further projections.
             prop_assert!(found <= projected + 1e-13 && found >= projected - 1e-3, "{} and {}", found, projected);
         }
     }

@@ -19,7 +19,7 @@ pub enum Expectation {
     Field,
     /// The distance of the tiles from the working volume, in millimetres.
     Clearance,
-    /// A figure of the films that are made, at a percentile of them.
+    /// A figure of real films, at a percentile.
     Made(Figure),
 }
 
@@ -33,7 +33,7 @@ pub enum Bound {
     AtLeast(f64),
 }
 
-/// Where a value that is the worst of many was found.
+/// The location of a worst value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
 #[non_exhaustive]
@@ -43,12 +43,12 @@ pub enum Location {
     Point(DVec3),
     /// At the tile with this index.
     Tile(usize),
-    /// Among the films that are made: the percentile itself, by samples. The value of the outcome
-    /// is a limit of it; see [`Outcome::from_made`].
+    /// The percentile of samples of real films. The value of the outcome is a limit of it; see
+    /// [`Outcome::from_made`].
     Percentile {
-        /// Which percentile.
+        /// The percentile.
         per_cent: f64,
-        /// Its estimate.
+        /// The estimated value.
         value: f64,
         /// Number of samples.
         samples: usize,
@@ -67,7 +67,7 @@ pub struct Outcome {
     pub value: f64,
     /// The bound of the layout, in the same unit.
     pub bound: Bound,
-    /// Where the value was found, if it is the worst of many.
+    /// The location of the value, if it is the worst of many.
     pub location: Option<Location>,
 }
 
@@ -108,7 +108,7 @@ impl Outcome {
 }
 
 impl Bound {
-    /// The bound of a figure. `None` if there is none.
+    /// The bound of a figure, if any.
     pub(crate) fn of(bounds: &FigureBounds, figure: Figure) -> Option<Bound> {
         let bound = bounds.get(figure)?;
         Some(if figure == Figure::Amplitude { Bound::AtLeast(bound) } else { Bound::AtMost(bound) })
@@ -123,7 +123,7 @@ impl Bound {
 }
 
 impl Expectation {
-    /// All quantities that these expectations bound, in the order in which reports list them.
+    /// All quantities bounded by these expectations, in the order of reports.
     pub fn stated_in(expected: &Expectations) -> Vec<Expectation> {
         let bounded =
             |bounds: FigureBounds| Figure::ALL.into_iter().filter(move |figure| bounds.get(*figure).is_some());

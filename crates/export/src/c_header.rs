@@ -8,8 +8,8 @@ use magsplice_layout::Layout;
 /// The header, with placeholders `{...}` for its data.
 const HEADER: &str = include_str!("c_header.h");
 
-/// Writes a header of C99 with one function, which computes in `float` and needs no other file than
-/// `math.h`. `version` is the version of the program that writes it.
+/// Writes a header of C99 with one function, which computes in `float` and needs only `math.h`.
+/// `version` is the version of the writing program.
 ///
 /// # Errors
 /// Errors of the writer.
@@ -39,7 +39,7 @@ pub fn displacement(layout: &Layout, found: &SensorPolynomial, version: &str, w:
         .replace("{reference}", &format!("{}, {}, {}", reference.x, reference.y, reference.z))
         .replace("{version}", version)
         .replace("{sha256}", &layout.sha256)
-        // Last, because a name may contain any text, also another placeholder.
+        // Last, because a name may contain any text, including another placeholder.
         .replacen("{layout}", &name, 1);
     w.write_all(text.as_bytes())
 }

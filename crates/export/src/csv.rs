@@ -1,5 +1,4 @@
-//! Tables as CSV: a row of names, then one row per point. Metadata are not written. Loads on tiles,
-//! which have names.
+//! Tables as CSV: a row of names, then one row per point, without metadata. Loads on tiles.
 
 use std::io::{self, Write};
 
@@ -51,8 +50,8 @@ pub fn rows(table: &Table, w: &mut dyn Write) -> io::Result<()> {
     Ok(())
 }
 
-/// The loads on tiles: one line per tile, in the order of laying where there is one. Forces are in
-/// N, torques in N mm.
+/// The loads on tiles: one line per tile, in placement order if there is one. Forces are in N,
+/// torques in N mm.
 pub fn loads(loads: &FilmLoads) -> String {
     let columns = |prefix: &str| {
         ["force_x_n", "force_y_n", "force_z_n", "torque_x_n_mm", "torque_y_n_mm", "torque_z_n_mm"]
@@ -62,7 +61,7 @@ pub fn loads(loads: &FilmLoads) -> String {
     let numbers = |LoadN { force_n, torque_n_mm }: &LoadN| {
         [force_n, torque_n_mm].map(|of| of.to_array().map(|number| format!(",{number:e}")).concat()).concat()
     };
-    // The tile, the load by all others, and the step with the load by those laid before.
+    // The tile, the load by all others, and the step with the load by tiles placed before.
     let line = |tile: &TileLoad, by_all: &LoadN, laying: String| {
         format!("\"{}\"{}{laying}\n", tile.name.replace('"', "\"\""), numbers(by_all))
     };

@@ -1,7 +1,7 @@
 //! A film as a DXF drawing, seen from above.
 //!
-//! The drawing is written as DXF R12, which every CAD program reads. A polyline, lines and circles
-//! need no more than pairs of a code and a value.
+//! The format is DXF R12, which every CAD program reads. Polylines, lines and circles need only
+//! pairs of a code and a value.
 
 use std::fmt::Display;
 use std::io::{self, Write};
@@ -13,29 +13,29 @@ use magsplice_magnet::{Tile, convex_hull};
 use magsplice::results::{rounded_beside, twelve_digits};
 
 /// The parts of the drawing before its entities: millimetres, metric hatches and line types, a
-/// continuous line, the layers, and upright characters of any height in the font that every CAD
-/// program has.
+/// continuous line, the layers, and upright characters of any height in the standard font of CAD
+/// programs.
 const BEGINNING: &str = include_str!("dxf_head.dxf");
 
 /// Length of an arrow, as a fraction of the shortest side of its tile.
 const ARROW: f64 = 0.7;
 /// Length and half width of the head of an arrow, as a fraction of the shortest side.
 const HEAD: [f64; 2] = [0.2, 0.1];
-/// Polarizations whose part in the plane is less than this fraction are drawn as circles.
+/// Largest share of the component in the plane of a polarization drawn as a circle.
 const VERTICAL: f64 = 0.01;
-/// Radius of such a circle, as a fraction of the shortest side.
+/// Radius of the circle, as a fraction of the shortest side.
 const RADIUS: f64 = 0.2;
-/// Number of colours that tell layers apart: red, yellow, green, cyan, blue, magenta.
+/// Number of colours of layers: red, yellow, green, cyan, blue, magenta.
 const COLOURS: usize = 6;
-/// Distance of a name from the centre of its outline, as a fraction of the way to an edge: beside
-/// the arrow, which ends at [`ARROW`] of this way at the latest.
+/// Distance of a name from the centre of its outline, as a fraction of the way to an edge. It is
+/// beside the arrow, which ends at [`ARROW`] of this way at most.
 const NAME_AT: f64 = 0.82;
-/// Largest height of a name, as a fraction of the width of its outline: it fits between the arrow
+/// Largest height of a name, as a fraction of the width of its outline, to fit between the arrow
 /// and the edge.
 const NAME_HEIGHT: f64 = 0.1;
-/// Largest length of a name, as a fraction of the edge that it runs along.
+/// Largest length of a name, as a fraction of the edge along which it runs.
 const NAME_LENGTH: f64 = 0.9;
-/// Width of a character in the standard font of drawings, as a fraction of its height, at the most.
+/// Largest width of a character in the standard font of drawings, as a fraction of its height.
 const CHARACTER: f64 = 1.0;
 
 /// Writes the outlines of the tiles in the xy plane and an arrow for each polarization, in
@@ -81,8 +81,8 @@ fn outline(tile: &Tile) -> Vec<DVec2> {
     convex_hull(tile.corners_mm().map(|corner| corner.truncate()).to_vec(), slack)
 }
 
-/// A text as DXF R12 has it: other characters than ASCII by their number, and percent signs that
-/// would begin a code. Characters beyond four hexadecimal digits become question marks.
+/// A text encoded for DXF R12: characters beyond ASCII and percent signs that would begin a code
+/// become numbers. Characters beyond four hexadecimal digits become question marks.
 fn encoded(text: &str) -> String {
     let encode = |c: char| match c {
         ' '..='~' => c.to_string(),
@@ -92,12 +92,12 @@ fn encoded(text: &str) -> String {
     text.replace("%%", "%%%%%%").chars().map(encode).collect()
 }
 
-/// A drawing that is being written, as pairs of a code and a value.
+/// A writer of a drawing, as pairs of a code and a value.
 struct Drawing<'w> {
     w: &'w mut dyn Write,
     /// Layer of the entities.
     layer: String,
-    /// The largest coordinate, in mm. Others are rounded to its twelve digits.
+    /// The largest coordinate, in mm. Coordinates are rounded to its twelve digits.
     largest_mm: f64,
 }
 
@@ -112,14 +112,14 @@ impl Drawing<'_> {
         self.pair(8, layer)
     }
 
-    /// A point, with codes from `first` on.
+    /// Writes a point, with codes from `first` on.
     fn point(&mut self, first: u32, p: DVec2) -> io::Result<()> {
         self.real(first, p.x)?;
         self.real(first + 10, p.y)?;
         self.pair(first + 20, "0.0")
     }
 
-    /// A length or a coordinate in mm.
+    /// Writes a length or a coordinate in mm.
     fn real(&mut self, code: u32, value: f64) -> io::Result<()> {
         // `{:?}` has a decimal point, which some readers require of real numbers.
         self.pair(code, format_args!("{:?}", rounded_beside(value, self.largest_mm)))
@@ -144,13 +144,13 @@ impl Drawing<'_> {
         self.entity("SEQEND")
     }
 
-    /// A name along the longest edge of an outline, the lowest of several; upright or read from the
-    /// right.
+    /// Writes a name along the longest edge of an outline, the lowest of several; upright or
+    /// readable from the right.
     fn name(&mut self, name: &str, corners: &[DVec2]) -> io::Result<()> {
         let centre = corners.iter().sum::<DVec2>() / corners.len() as f64;
         let edges = || corners.iter().zip(corners.iter().cycle().skip(1));
         let longest = edges().map(|(a, b)| a.distance(*b)).fold(0.0, f64::max);
-        // Round-off does not choose between edges of the same length.
+        // Round-off must not decide between edges of the same length.
         let long = edges().filter(|(a, b)| a.distance(**b) >= (1.0 - 1e-9) * longest);
         let Some((a, b)) = long.min_by(|(a, b), (c, d)| (a.y + b.y).total_cmp(&(c.y + d.y))) else { return Ok(()) };
         let along = (b - a) / longest;

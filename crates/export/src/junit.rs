@@ -1,12 +1,12 @@
 //! The JUnit form of the results of `check`: a suite for each layout, with a case for the file and
-//! one for each expectation.
+//! a case for each expectation.
 
 use std::time::Duration;
 
 use magsplice::results::{Check, CheckStatus, CheckedExpectation, CheckedLayout, SkippedFile};
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 
-/// The results as JUnit XML. `sentence` puts an outcome into words.
+/// The results as JUnit XML. `sentence` describes an outcome in words.
 pub fn xml(check: &Check, sentence: &dyn Fn(&CheckedExpectation) -> String) -> String {
     let mut report = Report::new("magsplice check");
     report.add_test_suites(check.layouts.iter().map(|checked| suite(checked, sentence)));
@@ -15,7 +15,7 @@ pub fn xml(check: &Check, sentence: &dyn Fn(&CheckedExpectation) -> String) -> S
     report.to_string().expect("text can always be written as XML")
 }
 
-/// Time that the evaluation of the expectations took.
+/// Time of the evaluation of the expectations.
 fn evaluation(checked: &CheckedLayout) -> Duration {
     checked.expectations.iter().map(|expectation| expectation.took).sum()
 }
@@ -36,7 +36,7 @@ fn suite(checked: &CheckedLayout, sentence: &dyn Fn(&CheckedExpectation) -> Stri
     suite.add_test_cases(checked.expectations.iter().map(|checked| {
         let message = checked.error.clone().unwrap_or_else(|| sentence(checked));
         let mut case = case(&checked.expectation.to_string(), &file, status(checked.status, &message), checked.took);
-        // A failure and an error hold the message themselves.
+        // A failure or an error contains the message.
         if checked.status == CheckStatus::Ok {
             case.set_system_out(xml_text(&message));
         }
@@ -45,7 +45,7 @@ fn suite(checked: &CheckedLayout, sentence: &dyn Fn(&CheckedExpectation) -> Stri
     suite
 }
 
-/// A TOML file that is no layout.
+/// The suite of a TOML file that is no layout.
 fn skipped_suite(skipped: &SkippedFile) -> TestSuite {
     let file = xml_text(&skipped.file);
     let mut suite = TestSuite::new(file.clone());
@@ -56,7 +56,7 @@ fn skipped_suite(skipped: &SkippedFile) -> TestSuite {
     suite
 }
 
-/// The text with U+FFFD in place of characters that XML 1.0 does not allow.
+/// The text with U+FFFD in place of characters forbidden in XML 1.0.
 fn xml_text(text: &str) -> String {
     let is_allowed = |c: char| matches!(c, '\t' | '\n' | '\r' | ' '..='\u{fffd}' | '\u{10000}'..);
     text.chars().map(|c| if is_allowed(c) { c } else { char::REPLACEMENT_CHARACTER }).collect()
@@ -76,7 +76,7 @@ fn status(status: CheckStatus, message: &str) -> TestCaseStatus {
         CheckStatus::Unusable => NonSuccessKind::Error,
     };
     let mut status = TestCaseStatus::non_success(kind);
-    // An attribute has no line breaks: XML parsers read them as blanks.
+    // XML parsers read line breaks in attributes as blanks.
     status.set_message(xml_text(message.lines().next().unwrap_or_default()));
     status.set_description(xml_text(message));
     status

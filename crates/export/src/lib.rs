@@ -1,20 +1,19 @@
 //! Fields, decoupling parameters and tiles as files of other tools.
 //!
-//! A [`Table`](magsplice::results::Table) holds points, the quantities known at each of them, and
-//! metadata. [`csv`], [`json`], [`numpy`], [`vtk`] and, with the feature `parquet`, the module
-//! `parquet` write a table. [`vtk`],
-//! [`magpylib`], [`dxf`] and [`stl`] write the tiles of a layout. Every function writes to a
-//! [`std::io::Write`] and returns the errors of that writer.
+//! A [`Table`](magsplice::results::Table) holds points, the quantities at each point, and metadata.
+//! [`csv`], [`json`], [`numpy`], [`vtk`] and, with the feature `parquet`, the module `parquet`
+//! write a table. [`vtk`], [`magpylib`], [`dxf`] and [`stl`] write the tiles of a layout. Every
+//! function writes to a [`std::io::Write`] and returns the errors of that writer.
 //!
 //! This crate computes nothing, opens no file and parses no arguments. The page
-//! `docs/file-formats.md` of the project lists the names and units in the files.
+//! `docs/file-formats.md` lists the names and units in the files.
 //!
 //! # Adding a format
 //!
-//! 1. Add a file to this crate with a function
-//!    `write(table: &Table, w: &mut dyn Write) -> io::Result<()>`. `Table::columns` gives every
-//!    column with its name; `Table::metadata` says what the table was made from.
-//! 2. Add a variant to `TableFormat` in `crates/cli/src/args/formats.rs`. The compiler then names
+//! 1. Add a file to this crate with a function `write(table: &Table, w: &mut dyn Write) ->
+//!    io::Result<()>`. `Table::columns` gives every column with its name; `Table::metadata`
+//!    describes the source of the table.
+//! 2. Add a variant to `TableFormat` in `crates/cli/src/args/formats.rs`. The compiler then reports
 //!    each `match` of the program that needs a line: the extension, and the call of the function in
 //!    `crates/cli/src/output/table.rs`. `DecoupleFormat` beside it lists the formats of `decouple`.
 

@@ -12,11 +12,11 @@ const SCRIPT: &str = include_str!("magpylib.py");
 /// Writes a script for magpylib 5 and 6. It builds the film as a collection of cuboids. When run,
 /// it prints B at the reference point of the working volume and at the points of a CSV file.
 ///
-/// `version` is the version of the program that writes the script.
+/// `version` is the version of the writing program.
 ///
 /// # Accuracy
 /// Tiles keep the digits of the layout. The script divides lengths by 1000, because magpylib takes
-/// metres; that rounds each length once.
+/// metres; this rounds each length once.
 ///
 /// # Errors
 /// Errors of the writer.
@@ -31,7 +31,7 @@ pub fn script(layout: &Layout, version: &str, w: &mut dyn Write) -> io::Result<(
         .replace("\"{sha256}\"", &literal(&layout.sha256))
         .replace("\"{reference}\"", &reference)
         .replace("    \"{tiles}\",\n", &tiles)
-        // Last, because a name may contain any text, also another placeholder.
+        // Last, because a name may contain any text, including another placeholder.
         .replacen("\"{layout}\"", &literal(&layout.name), 1);
     w.write_all(text.as_bytes())
 }
@@ -64,7 +64,7 @@ mod tests {
         let text = "format = 1\nname = \"film\"\n[[tile]]\nposition_mm = [0.1, 0, 1e-9]\n\
                     size_mm = [1, 2, 3]\npolarization_t = [0, 0, 0.12]\n";
         let mut layout = Layout::parse(text, "test").unwrap();
-        // Layout files may not have such a name, but layouts in memory may.
+        // Such a name is invalid in layout files, but possible in memory.
         let unquoted: String = serde_json::from_str(&format!("\"{name}\"")).unwrap();
         layout.name.clone_from(&unquoted);
         layout.tiles[0].name = unquoted;

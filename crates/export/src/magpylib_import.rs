@@ -5,9 +5,9 @@ use std::io::{self, Write};
 /// The script, with a placeholder for the version.
 const SCRIPT: &str = include_str!("magpylib_import.py");
 
-/// Writes the script. Run where magpylib 5 or 6 and a collection are at hand, it writes the cuboids
-/// as CSV with lengths in metres and polarizations in tesla. `version` is the version of the
-/// program that writes the script.
+/// Writes the script. With magpylib 5 or 6 and a collection, the script writes the cuboids as CSV
+/// with lengths in metres and polarizations in tesla. `version` is the version of the writing
+/// program.
 ///
 /// # Accuracy
 /// Numbers have the shortest digits that read back to the same number.

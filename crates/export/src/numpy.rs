@@ -10,7 +10,7 @@ use zip::write::SimpleFileOptions;
 use magsplice::results::{MetadataValue, Table};
 
 /// Writes an NPY file: one array of records, in the shape of [`Rows::shape`], with one field per
-/// column. The format has no place for metadata, so they are not written.
+/// column. The format has no metadata.
 ///
 /// [`Rows::shape`]: magsplice::results::Rows::shape
 ///
@@ -31,7 +31,7 @@ pub fn npy(table: &Table, w: &mut dyn Write) -> io::Result<()> {
 /// # Errors
 /// Errors of the writer.
 pub fn npz(table: &Table, w: &mut dyn Write) -> io::Result<()> {
-    // Not compressed, like numpy.savez: the digits of fields look random.
+    // Not compressed, like numpy.savez, because the digits of fields look random.
     let mut archive = ZipWriter::new_stream(w);
     let begin = |archive: &mut ZipWriter<_>, name: &str, bytes: usize| {
         let options = SimpleFileOptions::default()

@@ -16,8 +16,8 @@ use magsplice::results::{MetadataValue, Table};
 /// Rows per row group. Readers hold one group in memory at a time.
 const ROW_GROUP: usize = 1 << 20;
 
-/// Writes the columns as doubles, and the metadata as key-value metadata of the file. Metadata are
-/// texts there: a count has its digits, a list of numbers is JSON.
+/// Writes the columns as doubles, and the metadata as key-value metadata of the file. Metadata
+/// become texts: a count its digits, a list of numbers JSON.
 ///
 /// # Errors
 /// Errors of the writer.
@@ -42,11 +42,12 @@ fn in_row_groups(table: &Table, w: &mut dyn Write) -> Result<(), ParquetError> {
     let metadata =
         table.metadata().iter().map(|(name, value)| KeyValue::new((*name).to_owned(), metadata_text(value))).collect();
     let properties = WriterProperties::builder()
-        // A dictionary would not pay: hardly any number occurs twice.
+        // A dictionary has no benefit, because hardly any number occurs twice.
         .set_dictionary_enabled(false)
         .set_key_value_metadata(Some(metadata))
         .build();
-    // The crate needs a writer that is Send, which `w` is not. So each group goes to memory first.
+    // The crate needs a writer that is `Send`, unlike `w`, so each group is written to memory
+    // first.
     let mut file = SerializedFileWriter::new(Vec::new(), schema, Arc::new(properties))?;
     for start in (0..table.rows().len()).step_by(ROW_GROUP) {
         let rows = start..table.rows().len().min(start + ROW_GROUP);

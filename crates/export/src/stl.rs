@@ -6,7 +6,7 @@ use magsplice_layout::Layout;
 
 use crate::cuboid_faces::FACES;
 
-/// Triangles of a tile.
+/// Number of triangles of a tile.
 const TRIANGLES: usize = 2 * FACES.len();
 
 /// Writes the tiles as binary STL, in millimetres: twelve triangles for each tile, with normals
@@ -16,9 +16,9 @@ const TRIANGLES: usize = 2 * FACES.len();
 /// STL has coordinates in single precision, 7 digits.
 ///
 /// # Errors
-/// Errors of the writer, and more triangles than the format can count.
+/// Errors of the writer, and too many triangles for the format.
 pub fn film(layout: &Layout, w: &mut dyn Write) -> io::Result<()> {
-    // Readers take a header that begins with "solid" for text.
+    // Readers interpret a header that begins with "solid" as text.
     let mut header = [b' '; 80];
     let title = b"film of block magnets, in mm, by magsplice";
     header[..title.len()].copy_from_slice(title);
@@ -35,7 +35,7 @@ pub fn film(layout: &Layout, w: &mut dyn Write) -> io::Result<()> {
                         w.write_all(&(value as f32).to_le_bytes())?;
                     }
                 }
-                // Attributes, which the format leaves to programs.
+                // Attributes, which the format does not define.
                 w.write_all(&[0, 0])?;
             }
         }

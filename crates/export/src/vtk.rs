@@ -1,5 +1,5 @@
-//! Tables and tiles for ParaView and other programs that use VTK: XML files with the numbers
-//! appended in binary form. Lengths are in millimetres.
+//! Tables and tiles for ParaView and other programs with VTK: XML files with the numbers appended
+//! in binary form. Lengths are in millimetres.
 
 /// The structure of a VTK XML file.
 mod dataset;

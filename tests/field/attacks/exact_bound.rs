@@ -24,7 +24,7 @@ fn tile() -> impl Strategy<Value = Tile> {
     })
 }
 
-/// A direction, a distance from one of the tiles in its own sizes, and the number of that tile.
+/// A direction, a distance from one of the tiles in units of its size, and the index of that tile.
 fn place() -> impl Strategy<Value = (DVec3, f64, prop::sample::Index)> {
     let direction = prop::array::uniform3(-1.0..1.0_f64).prop_filter("a direction", |d| DVec3::from(*d).length() > 0.1);
     (direction, -0.2..3.5_f64, any::<prop::sample::Index>())
@@ -80,6 +80,6 @@ fn scenes_of_mixed_sizes_and_strengths_keep_the_exact_bound() {
             Ok(())
         })
         .expect("the bound is kept");
-    // The scenes are hard enough to use a part of what is allowed.
+    // The scenes are hard enough to use a part of the bound.
     assert!(worst.get() > 0.02, "{}", worst.get());
 }

@@ -1,4 +1,4 @@
-//! Boxes prepared for repeated look-ups: fields and gradients keep their stated errors.
+//! Boxes prepared for repeated look-ups: fields and gradients keep their error bounds.
 
 use glam::{DMat3, DVec3};
 use magsplice_field::{FittedField, Grid, Quantity, Scene};
@@ -8,16 +8,16 @@ use super::reference::{Reference, exact_error_t, rotation_error_t};
 use super::scenes::Attack;
 use super::{scene_numbers, timed};
 
-/// Least share of scenes whose box is fitted.
+/// Smallest share of scenes with a fitted box.
 const LEAST_FITTED_SHARE: f64 = 0.3;
 
-/// Number of boxes that are tried in a scene, each half as long as the one before.
+/// Number of boxes tried in a scene, each half as long as the box before.
 const BOXES: usize = 4;
 
-/// Number of points that are looked up along each axis.
+/// Number of look-ups along each axis.
 const COUNT: usize = 13;
 
-/// One of this many looked-up points is compared with the gradient.
+/// Number of look-ups per comparison of the gradient.
 const GRADIENT_STEP: usize = 37;
 
 /// Observations in scenes.
@@ -29,7 +29,7 @@ struct Findings {
     refused: usize,
     /// Points compared with the oracle.
     checked: usize,
-    /// Largest errors over the stated ones, of the field by the oracle and of the gradient.
+    /// Largest ratio of errors to error bounds, of the field by the oracle and of the gradient.
     worst: f64,
     worst_gradient: f64,
     violations: Vec<String>,
@@ -105,7 +105,7 @@ impl Findings {
     }
 }
 
-/// Whether an error is above the stated one, or no number.
+/// Whether an error exceeds its bound or is NaN.
 fn is_above(error: f64, stated: f64) -> bool {
     error > stated || error.is_nan()
 }
@@ -115,7 +115,7 @@ fn largest(gradient: DMat3) -> f64 {
     if gradient.is_nan() { f64::NAN } else { gradient.to_cols_array().into_iter().map(f64::abs).fold(0.0, f64::max) }
 }
 
-/// The points that are aimed at in a box, and a grid in it.
+/// The targeted points in a box, and a grid in it.
 fn points(attack: &Attack, lower: DVec3, upper: DVec3) -> Vec<DVec3> {
     let grid = Grid::new(lower, upper, [COUNT; 3]).expect("a grid");
     let is_inside = |point: &DVec3| lower.cmple(*point).all() && point.cmple(upper).all();

@@ -1,9 +1,8 @@
 //! Adversarial scenes against an oracle of many digits.
 //!
 //! `cargo test -p magsplice-tests --features all-cases --test field attacks -- --nocapture` runs
-//! all scenes and prints how close they come to what is promised. With
-//! `MAGSPLICE_SCENES=2000..3000` in the environment only the scenes with these numbers run, so that
-//! a run of hours can be divided.
+//! all scenes and prints the largest ratios of errors to bounds. With `MAGSPLICE_SCENES=2000..3000`
+//! in the environment only the scenes with these numbers run, which divides a run of hours.
 
 use std::ops::Range;
 use std::time::{Duration, Instant};
@@ -19,12 +18,12 @@ mod scenes;
 /// Tolerances on grids and at points.
 mod tolerances;
 
-/// The stated bound of the exact field, as a fraction of the sum over tiles of the magnitudes of
-/// the fields that the components of J make alone.
+/// The bound of the exact field, as a fraction of the sum over tiles of the magnitudes of the
+/// fields of the single components of J.
 const EXACT_BOUND: f64 = 2e-14;
 
-/// The numbers of the scenes that a test runs: those of `MAGSPLICE_SCENES`, else 10 000 with the
-/// feature `all-cases`, else a few.
+/// The numbers of a test's scenes: from `MAGSPLICE_SCENES`, else 10 000 with the feature
+/// `all-cases`, else a few.
 fn scene_numbers(few: u64) -> Range<u64> {
     let Ok(asked) = std::env::var("MAGSPLICE_SCENES") else {
         return 0..if cfg!(feature = "all-cases") { 10_000 } else { few };
@@ -34,10 +33,10 @@ fn scene_numbers(few: u64) -> Range<u64> {
     numbers.unwrap_or_else(|| panic!("MAGSPLICE_SCENES = {asked}, must be two numbers, as in 2000..3000"))
 }
 
-/// Time after which a scene is named, so that a scene that does not end is found.
+/// Time after which a scene is printed, to find scenes that do not end.
 const SLOW: Duration = Duration::from_secs(20);
 
-/// The findings in a scene. Scenes that take long are printed.
+/// The findings in a scene. Slow scenes are printed.
 fn timed<T>(findings: impl Fn(u64) -> T) -> impl Fn(u64) -> T {
     move |number| {
         let start = Instant::now();

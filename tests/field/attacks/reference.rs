@@ -8,11 +8,11 @@ use magsplice_tests::oracle::Oracle;
 use super::EXACT_BOUND;
 
 /// Largest distance from a tile, and largest ratio of its sides, for the oracle of 57 digits. It
-/// loses at most three digits for each decade of the first, and of the second along two axes.
+/// loses at most three digits for each decade of the distance, and of the ratio along two axes.
 const MODERATE_RATIO: f64 = 1e5;
 
-/// Units of round-off of the distance by which a point is off in the frame of a rotated tile
-/// (docs/accuracy.md), along each axis.
+/// Error of a point in the frame of a rotated tile along each axis, in units of round-off of its
+/// distance (docs/accuracy.md).
 const POINT_ROUNDINGS: f64 = 4.0;
 
 /// Oracles of 57 and of 130 digits.
@@ -59,7 +59,7 @@ pub(super) fn rotation_error_t(tiles: &[Tile], point: DVec3) -> f64 {
         .map(|tile| {
             let own = tiles.iter().filter(|other| other.rotation() == tile.rotation());
             let farthest = own.map(|other| (point - other.position()).abs().element_sum()).fold(0.0, f64::max);
-            // Off by as much along three axes.
+            // The same error along three axes.
             let moved = 3_f64.sqrt() * POINT_ROUNDINGS * 0.5 * f64::EPSILON * farthest;
             let gradient = Scene::new(&[*tile]).gradient(Quantity::FluxDensity, point).expect("off all edges");
             moved * gradient.to_cols_array().into_iter().map(|slope| slope * slope).sum::<f64>().sqrt()

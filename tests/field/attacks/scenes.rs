@@ -1,4 +1,4 @@
-//! Scenes made to break a tolerance: a box between magnets, and specks beside the box that are weak
+//! Scenes designed to break a tolerance: a box between magnets, and specks beside the box, weak
 //! enough to be overlooked and strong enough to matter.
 
 use glam::{DQuat, DVec3};
@@ -10,7 +10,7 @@ use rand_chacha::ChaCha8Rng;
 pub(super) struct Attack {
     pub(super) tiles: Vec<Tile>,
     pub(super) grid: Grid,
-    /// Points of the grid nearest to specks, and points at some sizes of a speck from it.
+    /// Points of the grid nearest to specks, and points at distances of a few sizes of a speck.
     pub(super) aimed: Vec<DVec3>,
     pub(super) tolerance: Tolerance,
 }
@@ -74,7 +74,7 @@ impl Dice {
         self.random.random_range(least..most)
     }
 
-    /// A number whose decimal logarithm lies in a range.
+    /// A number whose decimal logarithm is in a range.
     fn decades(&mut self, least: f64, most: f64) -> f64 {
         10_f64.powf(self.between(least, most))
     }
@@ -109,7 +109,7 @@ impl Dice {
         Grid::new(centre - half, centre + half, counts).expect("a grid")
     }
 
-    /// The sides of a cube, a needle, a plate or any cuboid, of which the longest is 1.
+    /// The sides of a cube, a needle, a plate or any cuboid; the longest is 1.
     fn shape(&mut self) -> DVec3 {
         let mut sides = match self.index(5) {
             0 => [1.0; 3],
@@ -134,8 +134,8 @@ impl Dice {
         if turned { DQuat::from_scaled_axis(2.0 * self.vector()) } else { DQuat::IDENTITY }
     }
 
-    /// Up to three magnets of 0.1 to 1000 around a box. Some have a second one beside them that
-    /// nearly cancels their field.
+    /// Up to three magnets of 0.1 to 1000 around a box. Some have a neighbour that nearly cancels
+    /// their field.
     fn magnets(&mut self, centre: DVec3, half: DVec3) -> Vec<Tile> {
         let mut tiles = Vec::new();
         for _ in 0..1 + self.index(3) {
@@ -151,8 +151,8 @@ impl Dice {
         tiles
     }
 
-    /// A film beyond one side of a box whose cells have J and -J in turns. Beyond some cells of
-    /// distance nearly nothing is left of its field.
+    /// A film beyond one side of a box, whose cells alternate between J and -J. At a distance of a
+    /// few cells its field nearly vanishes.
     fn lattice(&mut self, centre: DVec3, half: DVec3) -> Vec<Tile> {
         let axis = self.index(3);
         let [along, across] = [(axis + 1) % 3, (axis + 2) % 3];
@@ -191,7 +191,7 @@ impl Dice {
             .collect()
     }
 
-    /// A point of the grid on the surface of its box, and the direction that leads out of the box.
+    /// A point of the grid on the surface of its box, and the outward direction.
     fn place_on_surface(&mut self, grid: &Grid) -> (DVec3, DVec3) {
         let mut nearest = grid.point(self.index(grid.len()));
         let (axis, sign) = (self.index(3), self.sign());
@@ -199,8 +199,8 @@ impl Dice {
         (nearest, sign * DVec3::AXES[axis])
     }
 
-    /// A tile of 1e-6 to 0.2, with about the wanted field at a point. It is some sizes away, so
-    /// that a fit cannot resolve it, or some tenths of the box, where the box can still be fitted.
+    /// A tile of 1e-6 to 0.2, with about the requested field at a point. It is a few sizes away, so
+    /// a fit cannot resolve it, or a few tenths of the box, where the box can still be fitted.
     fn speck(&mut self, point: DVec3, outwards: DVec3, half: f64, wanted_t: f64) -> Tile {
         let is_near = self.chance(0.3);
         let size = if is_near { self.decades(-6.0, -0.7) } else { self.decades(-4.0, -0.7) };

@@ -1,4 +1,4 @@
-//! Tolerances on grids and at points: every value keeps its tolerance or is named.
+//! Tolerances on grids and at points: every value keeps its tolerance or is reported.
 
 use glam::DVec3;
 use magsplice_field::{Accuracy, Grid, Model, PointErrors, Quantity, Scene, Tile, Tolerance};
@@ -8,7 +8,7 @@ use super::reference::{Reference, exact_error_t, rotation_error_t};
 use super::scenes::Attack;
 use super::{scene_numbers, timed};
 
-/// Least share of scenes with an interpolation. In fewer scenes the tests would see only exact
+/// Smallest share of scenes with an interpolation. With fewer the tests would cover only exact
 /// fields.
 const LEAST_FITTED_SHARE: f64 = 0.3;
 
@@ -24,9 +24,9 @@ struct Findings {
     refused: usize,
     /// Points compared with the oracle.
     checked: usize,
-    /// Largest error over the allowed one, by the oracle.
+    /// Largest ratio of an error by the oracle to the allowed error.
     worst: f64,
-    /// Largest error over the one that the plan states.
+    /// Largest ratio of an error to the bound of the plan.
     worst_planned: f64,
     violations: Vec<String>,
 }
@@ -101,7 +101,7 @@ impl Findings {
             for ((point, found), exact) in attack.grid.points().zip(found).zip(exact) {
                 let is_inside = lower.cmple(point).all() && point.cmple(*upper).all();
                 let error_t = (*found - *exact).length();
-                // NaN, a refused point, is not above anything.
+                // A refused point is NaN, which exceeds no bound.
                 if is_inside && error_t > *stated_t && error_t > stated_t + exact_error_t(&attack.tiles, point) {
                     self.violations.push(format!("plan: {} times the stated error at {point}", error_t / stated_t));
                 }

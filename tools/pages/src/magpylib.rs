@@ -1,4 +1,4 @@
-//! Scenes evaluated by magpylib, in a Python process beside this one.
+//! Scenes evaluated by magpylib in a Python process.
 
 use std::fmt::Write as _;
 use std::io::{BufRead, BufReader, Write};
@@ -40,8 +40,8 @@ impl Magpylib {
             .arg(script)
             .args(files.iter().map(|f| f.path()))
             .env("OMP_NUM_THREADS", "1")
-            // Without these numpy returns its large arrays to the system and allocates them anew,
-            // which doubles the time.
+            // These variables keep numpy from returning its large arrays to the system and
+            // allocating them anew, which doubles the time.
             .env("MALLOC_MMAP_THRESHOLD_", "1000000000")
             .env("MALLOC_TRIM_THRESHOLD_", "1000000000")
             .stdin(Stdio::piped())
@@ -52,7 +52,7 @@ impl Magpylib {
         Ok(Magpylib { child, answers, points: points.len(), _files: files })
     }
 
-    /// Evaluates the scene and returns the seconds it took.
+    /// Evaluates the scene. Returns the time in seconds.
     pub(crate) fn run(&mut self) -> Result<f64, String> {
         self.number_after("run")
     }
@@ -78,7 +78,7 @@ impl Magpylib {
     }
 }
 
-/// The version of magpylib that a Python can import; an error if it can import none.
+/// The version of magpylib that a Python can import; an error without magpylib.
 pub(crate) fn magpylib_version(python: &Path) -> Result<String, String> {
     let script = "import magpylib; print(magpylib.__version__)";
     let output = Command::new(python).args(["-c", script]).output();

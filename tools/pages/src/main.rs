@@ -2,8 +2,7 @@
 //!
 //! `cargo run --release -p magsplice-pages -- PAGE` measures magsplice and its peers magba and
 //! magpylib on the same points and writes the page `accuracy`, `speed` or `accuracy-and-speed`.
-//! `--without-magpylib` leaves magpylib out; otherwise `--python` names a Python that can import
-//! it.
+//! `--without-magpylib` omits magpylib; otherwise `--python` is a Python that can import it.
 
 /// `docs/accuracy.md`: errors against exact values, by region, distance and closeness to an edge.
 mod accuracy;

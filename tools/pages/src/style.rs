@@ -10,7 +10,7 @@ const FONTS: &str = "Roboto, Arial, Helvetica, sans-serif";
 const INK: &str = "#1E1E1E";
 const MM_PER_INCH: f64 = 25.4;
 
-/// Gives a picture that plotters wrote the style of all pictures. Its width and height are
+/// Applies the style of all pictures to a picture from plotters. Its width and height are
 /// `px_per_inch` pixels per inch.
 pub(crate) fn restyle(path: &Path, px_per_inch: f64) -> Result<(), String> {
     let failed = |error: std::io::Error| format!("{}: {error}", path.display());
@@ -50,7 +50,7 @@ fn in_millimetres(head: &str, px_per_inch: f64) -> String {
     parts.collect::<Vec<String>>().join(" ")
 }
 
-/// A number of an axis as a journal prints it: 10⁻⁷ for 1e-7, 10 for 10.0. Other text stays.
+/// A number of an axis in journal style: 10⁻⁷ for 1e-7, 10 for 10.0. Other text is unchanged.
 fn tick_label(text: &str) -> String {
     const SUPERSCRIPTS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
     if text.parse::<f64>().is_err() {

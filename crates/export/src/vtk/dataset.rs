@@ -1,4 +1,4 @@
-//! A VTK XML file: elements that name the arrays, then the numbers of all arrays.
+//! A VTK XML file: elements of the arrays, then the numbers of all arrays.
 //!
 //! Reference: <https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html>.
 
@@ -25,9 +25,9 @@ pub(super) struct VtkArray<'a> {
     pub(super) values: ArrayValues<'a>,
 }
 
-/// The values of an array, computed while they are written.
+/// The values of an array, computed during writing.
 pub(super) enum ArrayValues<'a> {
-    /// The type of the numbers, how many there are, and their bytes.
+    /// The type, the count and the bytes of the numbers.
     Numbers(&'static str, usize, Box<dyn Iterator<Item = [u8; 8]> + 'a>),
     Texts(Vec<&'a str>),
 }
@@ -60,7 +60,7 @@ impl VtkDataset<'_> {
 }
 
 impl<'a> VtkArray<'a> {
-    /// An array of this many numbers.
+    /// An array of `count` numbers.
     pub(super) fn floats(
         name: &'a str,
         components: &'static [&'static str],
@@ -71,13 +71,13 @@ impl<'a> VtkArray<'a> {
         VtkArray { name, components, values }
     }
 
-    /// An array of this many integers, one in each tuple.
+    /// An array of `count` integers, one in each tuple.
     pub(super) fn integers(name: &'a str, count: usize, values: impl Iterator<Item = usize> + 'a) -> VtkArray<'a> {
         let bytes = values.map(|value| (value as u64).to_le_bytes());
         VtkArray { name, components: &[], values: ArrayValues::Numbers("Int64", count, Box::new(bytes)) }
     }
 
-    /// Writes the element of the array, and returns how many bytes `append` will write for it.
+    /// Writes the element of the array. Returns the number of bytes that `append` will write.
     fn head(&self, offset: usize, w: &mut dyn Write) -> io::Result<usize> {
         let name = self.name;
         let (kind, count) = match &self.values {

@@ -14,8 +14,8 @@ use super::peers::{FieldCase, PeerFields, relative_error};
 pub(crate) struct ErrorsAtDistance {
     /// Distance in sizes of the tile.
     pub(crate) distance: f64,
-    /// Relative errors of |B| by magsplice, magba and, if it was run, magpylib. Infinite where no
-    /// finite number came back.
+    /// Relative errors of |B| by magsplice, magba and, if it was run, magpylib. Infinite where the
+    /// result is not finite.
     pub(crate) fields: Vec<f64>,
     /// Relative error of the largest component of the gradient by magsplice.
     pub(crate) gradient: f64,
@@ -69,7 +69,7 @@ fn curve(
         while cases.len() < points {
             let tile = random_tile(&mut random);
             let point = place(&mut random, &tile, distance);
-            // Rounding may put a point on the edge itself, where the field is unbounded.
+            // Rounding may move a point onto the edge, where the field is unbounded.
             if Scene::new(&[tile]).gradient(Quantity::FluxDensity, point).is_ok() {
                 cases.push((vec![tile], point));
             }

@@ -9,14 +9,14 @@ use crate::style::restyle;
 
 use super::curves::ErrorsAtDistance;
 
-/// Colours by Okabe and Ito, which the colour-blind can tell apart. The marks differ too.
+/// Colours by Okabe and Ito, which colour-blind readers can distinguish. The marks differ too.
 const COLOURS: [RGBColor; 4] =
     [RGBColor(0, 114, 178), RGBColor(213, 94, 0), RGBColor(0, 158, 115), RGBColor(86, 180, 233)];
 const NAMES: [&str; 4] = ["magsplice", "magba", "magpylib", "magsplice, gradient"];
 
 const LOWEST: f64 = 1e-17;
-/// Above 1 no right digit is left. Larger errors and answers that are no number are drawn on the
-/// upper edge.
+/// Upper end of the axis: an error of 1 has no correct digit. Larger errors and NaN are drawn on
+/// the upper edge.
 const HIGHEST: f64 = 1e2;
 
 pub(crate) fn draw(path: &Path, distance: &[ErrorsAtDistance], closeness: &[ErrorsAtDistance]) -> Result<(), String> {
@@ -93,7 +93,7 @@ type Chart<'a> = ChartContext<
     Cartesian2d<plotters::coord::combinators::LogCoord<f64>, plotters::coord::combinators::LogCoord<f64>>,
 >;
 
-/// Draws one kind of mark for each series, so that they can be told apart without colour.
+/// Draws one kind of mark for each series, to distinguish them without colour.
 fn marks(chart: &mut Chart, series: usize, points: &[(f64, f64)], colour: RGBColor) -> Result<(), String> {
     let points = points.iter().copied();
     match series {

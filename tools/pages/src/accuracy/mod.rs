@@ -23,7 +23,7 @@ use crate::magpylib::magpylib_version;
 const POINTS: usize = 24;
 const FEW_POINTS: usize = 2;
 
-/// Writes the page and its picture to the folder `docs`; without `python` magpylib is left out.
+/// Writes the page and its picture to the folder `docs`; without `python` magpylib is omitted.
 pub(crate) fn write(docs: &Path, python: Option<&Path>, once: bool) -> Result<(), String> {
     let points = if once { FEW_POINTS } else { POINTS };
     let magpylib = python.map(magpylib_version).transpose()?;

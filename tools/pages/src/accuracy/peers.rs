@@ -12,8 +12,7 @@ use nalgebra::{Point3, UnitQuaternion, Vector3};
 /// The tiles of a scene, and a point.
 pub(crate) type FieldCase = (Vec<Tile>, DVec3);
 
-/// B in tesla of each case by every program; `None` where a program declares that the field is
-/// unbounded.
+/// B in tesla of each case by every program; `None` where a program reports an unbounded field.
 pub(crate) struct PeerFields {
     magsplice: Vec<Option<DVec3>>,
     magba: Vec<Option<DVec3>>,
@@ -21,7 +20,7 @@ pub(crate) struct PeerFields {
 }
 
 impl PeerFields {
-    /// The fields of all cases; without `python` magpylib is left out.
+    /// The fields of all cases; without `python` magpylib is omitted.
     pub(crate) fn compute(python: Option<&Path>, cases: &[FieldCase]) -> Result<PeerFields, String> {
         let magsplice = |(tiles, point): &FieldCase| Scene::new(tiles).field(Quantity::FluxDensity, *point).ok();
         let magba = |(tiles, point): &FieldCase| Some(tiles.iter().map(|t| magba_field(t, *point)).sum());
@@ -53,7 +52,8 @@ fn magba_field(tile: &Tile, point: DVec3) -> DVec3 {
 
 /// B by magpylib, from a script that reads all cases as CSV.
 ///
-/// Rust and Python print the shortest digits that read back to the same number, so none is lost.
+/// Rust and Python print the shortest digits that read back to the same number, so no digit is
+/// lost.
 fn magpylib_fields(python: &Path, cases: &[FieldCase]) -> Result<Vec<Option<DVec3>>, String> {
     let mut table = String::new();
     for (index, (tiles, point)) in cases.iter().enumerate() {
@@ -83,7 +83,7 @@ fn magpylib_fields(python: &Path, cases: &[FieldCase]) -> Result<Vec<Option<DVec
     Ok(fields.into_iter().map(Some).collect())
 }
 
-/// |found - exact| / |exact|; infinite if `found` is no finite number.
+/// |found - exact| / |exact|; infinite if `found` is not finite.
 pub(crate) fn relative_error(found: Option<DVec3>, exact: DVec3) -> f64 {
     let error = found.map_or(f64::INFINITY, |found| (found - exact).length() / exact.length());
     if error.is_nan() { f64::INFINITY } else { error }

@@ -14,7 +14,7 @@ pub(crate) struct ErrorSummary {
     /// The largest finite error.
     pub(crate) worst: f64,
     pub(crate) median: f64,
-    /// Number of points for which no finite number came back.
+    /// Number of points without a finite result.
     pub(crate) without_number: usize,
 }
 
@@ -26,7 +26,7 @@ pub(crate) struct RegionErrors {
     pub(crate) summaries: Vec<ErrorSummary>,
 }
 
-/// Order and name of the region of a row; `None` if it belongs to none.
+/// Order and name of the region of a row; `None` without a region.
 fn region(table: &str, row: &ReferenceRow) -> Option<(u32, String)> {
     let exponent = |tag: &str| tag.trim_start_matches("1e").parse::<i32>().unwrap_or(0);
     let offset = || -exponent(&row.tag);

@@ -11,12 +11,12 @@ use super::peers::{PeerFields, relative_error};
 /// Errors at one place on or beside the seam.
 pub(crate) struct SeamErrors {
     pub(crate) place: &'static str,
-    /// Relative errors of |B| by magsplice, magba and, if it was run, magpylib. Infinite where no
-    /// finite number came back.
+    /// Relative errors of |B| by magsplice, magba and, if it was run, magpylib. Infinite where the
+    /// result is not finite.
     pub(crate) errors: Vec<f64>,
 }
 
-/// Errors of two cubes against the block they form.
+/// Errors of two cubes against their merged block.
 pub(crate) fn measure(python: Option<&Path>) -> Result<Vec<SeamErrors>, String> {
     let j = DVec3::new(0.2, 0.3, 1.0);
     let tile =

@@ -1,8 +1,8 @@
-//! How much is measured for the page, and to which tolerances.
+//! The effort and the tolerances of the page's measurements.
 
 use magsplice_benches::SceneSizes;
 
-/// Relative tolerances that are measured.
+/// Measured relative tolerances.
 pub(crate) const TOLERANCES: [f64; 7] = [1e-2, 1e-4, 1e-6, 1e-8, 1e-9, 1e-10, 1e-12];
 
 /// Relative tolerance of the growing films.
@@ -13,17 +13,17 @@ pub(crate) const GROWTH_TOLERANCE: f64 = 1e-6;
 pub(crate) struct DialEffort {
     /// Points and tiles of the scenes.
     pub(crate) sizes: SceneSizes,
-    /// Most tile-point pairs of the exact field at a list.
+    /// Largest number of tile-point pairs of the exact field at a list.
     pub(crate) exact_pairs: usize,
-    /// Most tile-point pairs of a peer.
+    /// Largest number of tile-point pairs of a peer.
     pub(crate) peer_pairs: usize,
-    /// Least points of a peer.
+    /// Smallest number of points of a peer.
     pub(crate) peer_points: usize,
-    /// Most tile-point pairs summed with 130 digits.
+    /// Largest number of tile-point pairs summed with 130 digits.
     pub(crate) oracle_pairs: usize,
-    /// Timed runs, which follow one that is not timed.
+    /// Number of timed runs, after one untimed run.
     pub(crate) rounds: usize,
-    /// Timed runs in which the peers take part.
+    /// Number of timed runs with the peers.
     pub(crate) peer_rounds: usize,
     /// Random tiles for each distance in the comparison of precisions.
     pub(crate) single_cases: usize,

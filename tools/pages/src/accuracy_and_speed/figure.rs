@@ -119,7 +119,7 @@ fn caption(panel: &MeasuredScene) -> String {
     format!("{}, {}", panel.scene.title, places.join(" and "))
 }
 
-/// The staircase under which no contender lies, from the smallest to the largest error.
+/// The staircase below all contenders, from the smallest to the largest error.
 fn stairs(front: &[&Measured], slowest: f64) -> Vec<(f64, f64)> {
     let mut line = Vec::new();
     let mut ns = slowest;

@@ -1,4 +1,4 @@
-//! Colours and shapes that tell contenders apart.
+//! Colours and shapes of contenders.
 
 use plotters::element::{DynElement, IntoDynElement};
 use plotters::prelude::*;
@@ -8,7 +8,7 @@ use super::measure::Contender;
 /// Half the width of a mark in pixels.
 pub(crate) const RADIUS: i32 = 13;
 
-/// The colour of a contender, by Okabe and Ito, which the colour-blind can tell apart.
+/// The colour of a contender, by Okabe and Ito, which colour-blind readers can distinguish.
 pub(crate) fn colour(contender: Contender) -> RGBColor {
     match contender {
         Contender::Exact => BLACK,

@@ -13,10 +13,10 @@ use nalgebra::Vector3;
 use super::effort::{DialEffort, TOLERANCES};
 use crate::magpylib::Magpylib;
 
-/// A contender that takes more seconds than this is timed once.
+/// Seconds above which a contender is timed once.
 pub(crate) const SLOW_S: f64 = 3.0;
 
-/// Most points at which the exact field is checked with 130 digits.
+/// Largest number of points at which the exact field is checked with 130 digits.
 const MOST_ORACLE_POINTS: usize = 200;
 
 /// A way to compute a field: one of magsplice, or a peer.
@@ -54,7 +54,7 @@ impl Contender {
 /// One contender with one tolerance.
 pub(crate) struct Measured {
     pub(crate) contender: Contender,
-    /// Relative tolerance that was asked for; `None` for exact fields and peers.
+    /// Requested relative tolerance; `None` for exact fields and peers.
     pub(crate) tolerance: Option<f64>,
     /// Nanoseconds for a point, without preparation.
     pub(crate) ns: f64,
@@ -62,7 +62,7 @@ pub(crate) struct Measured {
     pub(crate) median: f64,
     /// Largest relative error of |B|.
     pub(crate) worst: f64,
-    /// Share of the points that are refused because the tolerance cannot be kept there.
+    /// Share of the points refused because they cannot keep the tolerance.
     pub(crate) refused: f64,
     /// Time to prepare look-ups.
     pub(crate) prepared_ms: Option<f64>,
@@ -75,7 +75,7 @@ pub(crate) struct Measurements {
     pub(crate) unprepared: Vec<f64>,
     /// Number of points at which the exact field was checked with 130 digits.
     pub(crate) checked_points: usize,
-    /// Number of points on which the peers were run.
+    /// Number of points of the peers.
     pub(crate) peer_points: usize,
 }
 
@@ -124,7 +124,7 @@ impl<'a> KnownField<'a> {
     }
 }
 
-/// Times and errors of all contenders at one place; without `python` magpylib is left out.
+/// Times and errors of all contenders at one place; without `python` magpylib is omitted.
 pub(crate) fn measure(
     tiles: &[Tile],
     place: &ScenePlace,
@@ -179,12 +179,11 @@ pub(crate) fn measure(
             if slow || !contender.is_magsplice() && round > effort.peer_rounds {
                 continue;
             }
-            // Written before the run, so that the run does not wait for memory from the system.
+            // Memory is written before the run, so the run does not wait for the system.
             let mut field = vec![DVec3::NAN; known.points.len()];
             let took = run(runner, known.points, &mut field)?;
             if round == 0 {
-                // The first run builds what later ones reuse. It is not timed; its field gives the
-                // errors.
+                // The first run builds reused data. It is not timed; its field gives the errors.
                 errors.push(if *contender == Contender::Exact {
                     own_errors(tiles, known, effort)
                 } else {
@@ -232,8 +231,8 @@ impl Quantiles {
     }
 }
 
-/// Evaluates the field once and returns the seconds it took. Points at which a tolerance cannot be
-/// kept are NaN in the field.
+/// Evaluates the field once. Returns the time in seconds. The field is NaN at points that cannot
+/// keep the tolerance.
 fn run(runner: &mut Runner, points: &[DVec3], field: &mut [DVec3]) -> Result<f64, String> {
     let start = Instant::now();
     match runner {

@@ -1,19 +1,19 @@
-//! Measures the time and the error of every way to evaluate a field, beside magba and magpylib, and
-//! writes `docs/accuracy-and-speed.md`.
+//! Measures the time and the error of every way to evaluate a field, compared with magba and
+//! magpylib, and writes `docs/accuracy-and-speed.md`.
 
-/// How much is measured, and to which tolerances.
+/// The effort and the tolerances of measurements.
 mod effort;
 /// Time against error, one panel for each scene.
 mod figure;
 /// Time against the number of tiles and points.
 mod growth_figure;
-/// Colours and shapes that tell contenders apart.
+/// Colours and shapes of contenders.
 mod marks;
 /// Time and error of every contender at one place.
 mod measure;
 /// The text of the page.
 mod page;
-/// The contenders that no other beats in both time and error.
+/// The Pareto front of contenders.
 mod pareto;
 /// Errors of the textbook formula in single and double precision.
 mod single_precision;
@@ -28,7 +28,7 @@ use crate::magpylib::magpylib_version;
 use effort::{DialEffort, GROWTH_TOLERANCE};
 use measure::{MeasuredScene, measure};
 
-/// Writes the page and its pictures to the folder `docs`; without `python` magpylib is left out.
+/// Writes the page and its pictures to the folder `docs`; without `python` magpylib is omitted.
 pub(crate) fn write(docs: &Path, python: Option<&Path>, once: bool) -> Result<(), String> {
     let effort = if once { DialEffort::ONCE } else { DialEffort::FULL };
     let magpylib = python.map(magpylib_version).transpose()?;

@@ -10,9 +10,9 @@ use super::measure::{Contender, Measured, MeasuredScene, Measurements, SLOW_S};
 use super::pareto::{ERROR_MEASURES, peers_in_front};
 use super::single_precision::{PrecisionErrors, PrecisionTable};
 
-/// The largest exponent of growth that meets the goal.
+/// Largest exponent of growth that meets the goal.
 const LARGEST_EXPONENT: f64 = 1.2;
-/// Below this speedup over the exact field a tolerance is not worth its error.
+/// Smallest speedup over the exact field that justifies the error of a tolerance.
 const WORTHWHILE_SPEEDUP: f64 = 1.2;
 
 /// The page; `magpylib` is its version if it was run.
@@ -94,7 +94,7 @@ errors.
     page.push_str(SCENES);
 }
 
-/// Writes where a peer lies on the Pareto front.
+/// Writes the cases with a peer on the Pareto front.
 fn comparison(page: &mut String, scenes: &[MeasuredScene], with_magpylib: bool) {
     page.push_str("\n## Against the peers\n\n");
     let peers = if with_magpylib { "magba or magpylib" } else { "magba" };
@@ -173,7 +173,7 @@ fn note(m: &Measured, tiles: usize) -> String {
     notes.join("; ")
 }
 
-/// Writes the tolerances that are not worth their error.
+/// Writes the tolerances whose speedup does not justify their error.
 fn worthless(page: &mut String, scenes: &[MeasuredScene]) {
     let mut list = String::new();
     for scene in scenes {

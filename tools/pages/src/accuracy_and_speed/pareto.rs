@@ -2,14 +2,14 @@
 
 use super::measure::{Measured, Measurements};
 
-/// The error by which contenders are compared.
+/// The kind of error for comparisons.
 pub(crate) type ErrorMeasure = fn(&Measured) -> f64;
 
 /// The largest and the median error.
 pub(crate) const ERROR_MEASURES: [(&str, ErrorMeasure); 2] = [("largest", |m| m.worst), ("median", |m| m.median)];
 
 /// The front, from the smallest to the largest error. Contenders that refuse at least half of the
-/// points are left out.
+/// points are excluded.
 pub(crate) fn pareto_front(at: &Measurements, error: ErrorMeasure) -> Vec<&Measured> {
     let mut all: Vec<&Measured> = at.measured.iter().filter(|m| m.refused < 0.5).collect();
     all.sort_by(|a, b| error(a).total_cmp(&error(b)).then(a.ns.total_cmp(&b.ns)));
@@ -22,7 +22,7 @@ pub(crate) fn pareto_front(at: &Measurements, error: ErrorMeasure) -> Vec<&Measu
     all
 }
 
-/// Peers on the front: no way of magsplice is both as fast and as exact.
+/// Peers on the front, where no method of magsplice is both as fast and as exact.
 pub(crate) fn peers_in_front(at: &Measurements, error: ErrorMeasure) -> Vec<&Measured> {
     pareto_front(at, error).into_iter().filter(|m| !m.contender.is_magsplice()).collect()
 }

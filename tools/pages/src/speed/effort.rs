@@ -1,12 +1,11 @@
-//! How much is measured for the page.
+//! The effort of the page's measurements.
 
 /// Tile-point pairs and runs of each measurement.
 #[derive(Clone, Copy)]
 pub(crate) struct SpeedEffort {
     /// Tile-point pairs in a run.
     pub(crate) pairs: usize,
-    /// Tile-point pairs in a run beside the peers: enough that scenes of many tiles have many
-    /// points.
+    /// Tile-point pairs in a run with the peers: enough for many points in scenes of many tiles.
     pub(crate) peer_pairs: usize,
     /// Interleaved runs.
     pub(crate) runs: usize,

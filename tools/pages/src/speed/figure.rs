@@ -10,7 +10,7 @@ use crate::style::restyle;
 use super::growth::TimeAtCount;
 use super::peers::SceneTimes;
 
-/// Colours by Okabe and Ito, which the colour-blind can tell apart. The marks differ too.
+/// Colours by Okabe and Ito, which colour-blind readers can distinguish. The marks differ too.
 const COLOURS: [RGBColor; 3] = [RGBColor(0, 114, 178), RGBColor(213, 94, 0), RGBColor(0, 158, 115)];
 const NAMES: [&str; 3] = ["magsplice", "magba", "magpylib"];
 

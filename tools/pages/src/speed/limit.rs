@@ -1,4 +1,4 @@
-//! The time that the processor needs at least for the operations of the closed form.
+//! The smallest possible time of the processor for the operations of the closed form.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -16,10 +16,10 @@ use super::effort::SpeedEffort;
 /// The 56 tiles merge into 48 cuboids with 22 planes and 192 corners. They have 96 off-diagonal and
 /// 48 diagonal elements in 23 groups of equal strength.
 pub(crate) const ROOTS: f64 = 192.0;
-/// Divisions for the same.
+/// Number of divisions.
 pub(crate) const DIVISIONS: f64 = 23.0;
-/// Additions, multiplications and multiply-adds for the same: 4 for a plane, 2 for a corner, 8 for
-/// a cuboid, 21 for an off-diagonal element, 45 for a diagonal one, 35 for a group.
+/// Number of additions, multiplications and multiply-adds: 4 for a plane, 2 for a corner, 8 for a
+/// cuboid, 21 for an off-diagonal element, 45 for a diagonal element, 35 for a group.
 pub(crate) const OTHERS: f64 = 22.0 * 4.0 + 192.0 * 2.0 + 48.0 * 8.0 + 96.0 * 21.0 + 48.0 * 45.0 + 23.0 * 35.0;
 const TILES: f64 = 56.0;
 
@@ -29,7 +29,7 @@ pub(crate) struct ProcessorLimit {
     pub(crate) set: InstructionSet,
     /// Doubles in a vector.
     pub(crate) lanes: usize,
-    /// Nanoseconds of one vector operation where none waits for another.
+    /// Nanoseconds of one independent vector operation.
     pub(crate) root_ns: f64,
     pub(crate) division_ns: f64,
     pub(crate) multiply_add_ns: f64,
@@ -38,8 +38,8 @@ pub(crate) struct ProcessorLimit {
 }
 
 impl ProcessorLimit {
-    /// Least nanoseconds for a tile and a point. Roots and divisions share a unit of the processor;
-    /// multiply-adds run beside it.
+    /// Smallest possible nanoseconds for a tile and a point. Roots and divisions share a unit of
+    /// the processor; multiply-adds run beside it.
     pub(crate) fn least_ns(&self) -> f64 {
         let slow = ROOTS * self.root_ns + DIVISIONS * self.division_ns;
         slow.max(OTHERS * self.multiply_add_ns) / (TILES * self.lanes as f64)

@@ -1,13 +1,13 @@
 //! Measures the times of magsplice, magba and magpylib on the same scenes and writes
 //! `docs/speed.md`.
 
-/// How much is measured.
+/// The effort of measurements.
 mod effort;
 /// The two pictures.
 mod figure;
 /// Time by numbers of tiles, points and threads.
 mod growth;
-/// The time that the operations of the closed form need at least.
+/// The smallest possible time of the operations of the closed form.
 mod limit;
 /// The text of the page.
 mod page;
@@ -21,7 +21,7 @@ use effort::SpeedEffort;
 
 use crate::magpylib::magpylib_version;
 
-/// Writes the page and its pictures to the folder `docs`; without `python` magpylib is left out.
+/// Writes the page and its pictures to the folder `docs`; without `python` magpylib is omitted.
 pub(crate) fn write(docs: &Path, python: Option<&Path>, once: bool) -> Result<(), String> {
     let effort = if once { SpeedEffort::ONCE } else { SpeedEffort::FULL };
     let magpylib = python.map(magpylib_version).transpose()?;

@@ -19,11 +19,12 @@ pub(crate) struct SceneTimes {
     pub(crate) points: usize,
     /// Median nanoseconds for a tile and a point by magsplice, magba and, if it was run, magpylib.
     pub(crate) ns: [Option<f64>; 3],
-    /// Times of magba and magpylib over that of magsplice, medians over interleaved pairs of runs.
+    /// Times of magba and magpylib over the time of magsplice, medians over interleaved pairs of
+    /// runs.
     pub(crate) ratios: [Option<f64>; 2],
 }
 
-/// Times of all workloads; without `python` magpylib is left out.
+/// Times of all workloads; without `python` magpylib is omitted.
 pub(crate) fn measure(python: Option<&Path>, effort: SpeedEffort) -> Result<Vec<SceneTimes>, String> {
     workloads().into_iter().map(|workload| times(workload.thinned(effort.peer_pairs), python, effort)).collect()
 }
