@@ -45,7 +45,7 @@ def test_permeabilities_may_be_numbers_of_numpy():
         tile = Tile((0, 0, 0), (1, 1, 1), (0, 0, 1), recoil_permeability=stated)
         film = Film([tile], name="one")
         assert film.tiles.recoil_permeability[0, 0] == pytest.approx(1.05, rel=1e-6)
-    with pytest.raises(ValueError, match="must be one number, or those along and across"):
+    with pytest.raises(ValueError, match="must be one number, or one along and one across"):
         Tile((0, 0, 0), (1, 1, 1), (0, 0, 1), recoil_permeability=(1, 2, 3)).to_dict()
 
 
@@ -115,7 +115,7 @@ def test_orders_have_each_tile_once(published):
     names = published.tiles.names
     order = published.forces(name for name in names).order
     assert order.names == names
-    with pytest.raises(ValueError, match=f"order: '{names[0]}' is laid twice"):
+    with pytest.raises(ValueError, match=f"order: '{names[0]}' is placed twice"):
         published.forces([*names, names[0]])
     with pytest.raises(ValueError, match="order: has 55 tiles, must have all 56"):
         published.forces(names[1:])

@@ -1,4 +1,4 @@
-"""Forces of tiles on each other, and orders of laying."""
+"""Forces of tiles on each other, and placement orders."""
 
 import json
 
@@ -63,7 +63,7 @@ def test_orders_name_each_tile_once(published):
         with pytest.raises(ValueError, match='must be "given", "least" or the names of all tiles'):
             published.forces(order)
     for order in (names[1:], [*names[1:], names[1]]):
-        with pytest.raises(ValueError, match=r"must have all 56|is laid twice"):
+        with pytest.raises(ValueError, match=r"must have all 56|is placed twice"):
             published.forces(order)
     with pytest.raises(ValueError, match="turned_error = 1, must be from"):
         published.forces(turned_error=1)

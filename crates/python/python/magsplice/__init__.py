@@ -1,8 +1,8 @@
 """Magnet films spliced from cuboids: exact field, decoupling, tolerances and design.
 
-A spliced film is a flat magnet of many small, uniformly magnetized cuboids, its tiles. This
-package computes its field, compares it with the ideal film, measures how well it decouples the
-three axes of a tactile sensor below it, and searches for a better film.
+A spliced film is a flat magnet of many small, uniformly magnetized cuboids, its tiles. This package
+computes its field, compares it with the ideal film, computes how well it decouples the three axes
+of a tactile sensor below it, and searches for a better film.
 
 Five lines::
 
@@ -12,17 +12,15 @@ Five lines::
     print(film.compare().amplitude)         # against the ideal film
     print(film.decouple().uniformity_rmse)  # of R_x, R_y, S_z
 
-Units and shapes
-----------------
-Lengths are in millimetres, flux density B and polarization J in tesla, field strength H in ampere
-per metre, forces in newton, angles in radians. A name ends with its unit: ``_mm``, ``_t``, ``_n``,
-``_deg``. Points and vectors have the shape (..., 3), with x, y, z last. `getB` and `getH` alone use
-metres, as magpylib does.
+Units and shapes ---------------- Lengths are in millimetres, flux density B and polarization J in
+tesla, field strength H in ampere per metre, forces in newton, angles in radians. A name ends with
+its unit: ``_mm``, ``_t``, ``_n``, ``_deg``. Points and vectors have the shape (..., 3), with x, y,
+z last. Only `getB` and `getH` use metres, like magpylib.
 
-Where to begin
---------------
+First steps
+-----------
 load, loads, Film, splice
-    A film from a file, from text, from tiles, from a few numbers.
+    A film from a file, from text, from tiles or from a few numbers.
 Film.b, Film.h, Film.j, Film.gradient
     Its field at points or on a `Grid`, exact or within a tolerance.
 Film.compare, Film.decouple
@@ -32,15 +30,15 @@ Film.check
 Film.recoil
     Tiles that weaken and turn each other.
 Film.tolerance, Film.budget
-    The films that are made, on one machine or on a cluster, and where their error comes from.
+    Real films, on one machine or on a cluster, and the causes of their error.
 Film.forces
-    Forces of the tiles on each other, and orders of laying.
+    Forces of the tiles on each other, and placement orders.
 Film.read, Film.resolution
     Displacements and forces from readings of a Hall sensor.
 Film.assign
-    Which measured tile goes to which place, and which way round.
+    The place and orientation of each measured tile.
 Film.diagnose
-    Faulty tiles of a film that was made, from a scan of its field.
+    Faulty tiles of a real film, from a scan of its field.
 Film.design, Film.front
     Better films.
 Film.report, Film.view, magsplice.plot

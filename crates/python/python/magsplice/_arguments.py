@@ -6,12 +6,12 @@ from collections.abc import Iterable
 from operator import index
 from typing import Any
 
-#: Largest number that a seed may be.
+#: Largest seed.
 LARGEST_SEED = 2**64 - 1
 
 
 def whole(name: str, value: Any, least: int, most: int = LARGEST_SEED) -> int:
-    """A whole number in a range. TypeError for others, ValueError out of the range."""
+    """A whole number in a range. TypeError for other values, ValueError out of the range."""
     try:
         number = index(value)
     except TypeError:
@@ -23,7 +23,7 @@ def whole(name: str, value: Any, least: int, most: int = LARGEST_SEED) -> int:
 
 
 def one_of(name: str, value: Any, choices: Iterable[str]) -> str:
-    """One of some words. ValueError for others."""
+    """One of some words. ValueError for other values."""
     known = list(choices)
     if not isinstance(value, str) or value not in known:
         shown = ", ".join(f'"{choice}"' for choice in known)

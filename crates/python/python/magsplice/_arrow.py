@@ -13,8 +13,8 @@ Column = NDArray[Any] | list[str] | list[str | None]
 class Table:
     """A result with one row for each item.
 
-    Anything that takes the Arrow PyCapsule interface takes it without a copy:
-    ``polars.DataFrame(x)``, ``pyarrow.table(x)``, and pandas with
+    Any reader of the Arrow PyCapsule interface takes it without a copy: ``polars.DataFrame(x)``,
+    ``pyarrow.table(x)``, and pandas with
     ``pyarrow.table(x).to_pandas(types_mapper=pandas.ArrowDtype)``. In pandas 3 there is also
     ``pandas.DataFrame.from_arrow(x)``, which copies columns of one type into one block. All need
     the small package nanoarrow: ``pip install "magsplice[tables]"``.
@@ -23,12 +23,12 @@ class Table:
     def columns(self) -> dict[str, Column]:
         """Columns by name: contiguous arrays and lists of texts, all of one length.
 
-        A text that is missing is None.
+        A missing text is None.
         """
         raise NotImplementedError
 
     def __arrow_c_stream__(self, requested_schema: object = None) -> object:
-        """Stream of one batch, for tools that read tables of Arrow."""
+        """Stream of one batch, for readers of Arrow tables."""
         try:
             import nanoarrow
         except ImportError as error:
@@ -42,7 +42,7 @@ class Table:
                 return nanoarrow.c_array(column, nanoarrow.string())
             if len(column):
                 return nanoarrow.c_array(column)
-            # An array without elements does not tell its type there.
+            # An array without elements has no type there.
             kind = "bool_" if column.dtype == bool else column.dtype.name
             return nanoarrow.c_array([], getattr(nanoarrow, kind)())
 

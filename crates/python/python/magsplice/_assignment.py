@@ -1,4 +1,4 @@
-"""Measured tiles, and how they lie at the places of a film."""
+"""Measured tiles, and their orientations at the places of a film."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ MOST_STARTS = 10_000
 
 
 class MeasuredTile(NamedTuple):
-    """A tile that was cut and measured.
+    """A cut and measured tile.
 
     Attributes
     ----------
     tile : str
-        Its name.
+        The name.
     polarization_t : sequence of 3 floats or float
         J along the sides of its part, in tesla, or only its magnitude.
     part : int or str, optional
-        Number of its part, from 1, as ``magsplice tiles`` lists the parts, or the name of a tile or
-        of a kind of this part alone. Not needed if the film has one part, or if the sides tell it.
+        Number of its part, from 1, as listed by ``magsplice tiles``, or the name of a tile or of a
+        kind of this part alone. Not needed if the film has one part, or if the sides identify it.
     size_mm : sequence of 3 floats, optional
-        Its sides in the order of those of the part, in millimetres. Default: as ordered.
+        Sides in the order of the part's sides, in millimetres. Default: as ordered.
     """
 
     tile: str
@@ -37,25 +37,25 @@ class MeasuredTile(NamedTuple):
 
 
 class PlacedTile(NamedTuple):
-    """A tile and how it lies, or will lie, at its place.
+    """A tile with its actual or planned orientation at its place.
 
     Attributes
     ----------
     place : str
-        Name of the place: of the tile of the film.
+        Name of the place, which is the name of the tile in the film.
     tile : str
         Name of the measured tile.
     up : str
-        The side of the measured tile that is up, such as ``"+z"``.
+        The upward side of the measured tile, such as ``"+z"``.
     mark_deg : float
-        Where its mark points, from the x axis of the film towards its y axis, in degrees. The mark
-        is drawn along +x of the part when the tile is measured; along +y if x is upright.
+        Direction of the mark, in degrees from the x axis of the film towards its y axis. During the
+        measurement the mark is drawn along +x of the part, or along +y if x is upright.
     centre_mm : sequence of 3 floats, optional
-        Centre, in millimetres. Default: that of the place.
+        Centre, in millimetres. Default: the centre of the place.
     mark : str
-        The axis of the measured tile that its mark shows. It follows from `up`.
+        The axis of the measured tile along its mark. It follows from `up`.
     is_laid : bool
-        Whether the tile lies already.
+        Whether the tile is already placed.
     """
 
     place: str
@@ -68,10 +68,10 @@ class PlacedTile(NamedTuple):
 
 
 class Shim(Result):
-    """A tile whose strength is chosen."""
+    """A tile with adjustable strength."""
 
-    place: str = key("Name of its place.")
-    strength_t: float = key("Strength in tesla, negative if it is reversed.")
+    place: str = key("Name of the place.")
+    strength_t: float = key("Strength in tesla, negative if reversed.")
 
 
 def _three(values: Sequence[float] | None) -> Vector | None:
@@ -82,21 +82,21 @@ def _three(values: Sequence[float] | None) -> Vector | None:
 
 
 def measured_row(tile: MeasuredTile) -> tuple[str, str | None, Vector | None, list[float]]:
-    """Name, part, sides, and J or its magnitude, as the library takes them."""
+    """Name, part, sides, and J or its magnitude, for the library."""
     j_t = np.atleast_1d(np.asarray(tile.polarization_t, dtype=float)).ravel().tolist()
     part = None if tile.part is None else str(tile.part)
     return tile.tile, part, _three(tile.size_mm), j_t
 
 
 def placed_row(tile: PlacedTile) -> tuple[str, str, Vector | None, str, float]:
-    """Place, tile, centre, upper side and direction of the mark, as the library takes them."""
+    """Place, tile, centre, upper side and direction of the mark, for the library."""
     return tile.place, tile.tile, _three(tile.centre_mm), tile.up, float(tile.mark_deg)
 
 
 def measurement_errors(
     strength: float | None, direction_deg: float | None, size_mm: float | None
 ) -> tuple[float, float, float | None] | None:
-    """Standard deviations in their ranges; None without any."""
+    """Standard deviations, checked against their ranges; None if none is given."""
     if (strength, direction_deg, size_mm) == (None, None, None):
         return None
     named = {"strength": (strength, 0.5), "direction": (direction_deg, 45), "size": (size_mm, 10)}

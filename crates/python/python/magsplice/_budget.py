@@ -1,4 +1,4 @@
-"""Where the displacement error of films that are made comes from."""
+"""The displacement error of real films, divided by its causes."""
 
 from __future__ import annotations
 
@@ -16,43 +16,44 @@ class BudgetPart(Result):
     name: str = key("Cause in words.")
     mean_square_mm2: PerAxis[float] = key(
         """Mean square of the displacement error along x, y, z, in square millimetres. A part that
-        compensates others is negative."""
+        compensates other parts is negative."""
     )
     share: PerAxis[float] = key("Share of the total.")
 
 
 class Improvement(Result):
-    """What is saved if errors are halved."""
+    """The reduction of the error by halved errors of a cause or tile."""
 
     name: str = key("Cause in words, or name of a tile.")
-    saved_mm2: PerAxis[float] = key("By how much the total falls, in square millimetres.")
+    saved_mm2: PerAxis[float] = key("Reduction of the total, in square millimetres.")
 
 
 class Budget(OfFilm, Table):
-    """The expected mean square of the displacement error, divided by where it comes from.
+    """The expected mean square of the displacement error, divided by its causes.
 
     A table of the parts: ``polars.DataFrame(budget)``.
     """
 
     seed: int = key("Seed of the samples.")
-    samples: int = key("Number of samples that checked the division, or divided.")
+    samples: int = key("Number of samples that checked or computed the division.")
     is_first_order: bool = key(
-        """Whether the parts are to first order, by exact derivatives; otherwise each is by samples
-        of its cause alone, because exact samples differ from the first order by more than 5 %."""
+        """Whether the parts are to first order, by exact derivatives. Otherwise each part comes
+        from samples of its cause alone, because exact samples differ from the first order by more
+        than 5 %."""
     )
-    parts: list[BudgetPart] = key("Parts, which add up to the total.", BudgetPart)
+    parts: list[BudgetPart] = key("Parts that add up to the total.", BudgetPart)
     endless_pattern_mm2: PerAxis[float] | None = key(
-        "Mean square of the splicing pattern without end; None if it is not known."
+        "Mean square of the endless splicing pattern; None if unknown."
     )
-    no_pattern: str | None = key("Why it is not known.")
+    no_pattern: str | None = key("The reason why it is unknown.")
     total_mm2: PerAxis[float] = key("Expected mean square, in square millimetres.")
-    sampled_mm2: PerAxis[float] = key("The same by exact samples.")
+    sampled_mm2: PerAxis[float] = key("Mean square by exact samples.")
     mean_square_ratio: PerAxis[Estimate | None] = key(
-        "Mean square of exact samples over that to first order; None where it is 0.", Estimate
+        "Mean square of exact samples over first order; None where the first order is 0.", Estimate
     )
     worth_halving: list[Improvement] = key("Savings by cause, largest first.", Improvement)
     tiles_worth_halving: list[Improvement] = key(
-        """What halving all errors of a tile saves, the most first; empty unless
+        """Savings by halving all errors of a tile, largest first; empty unless
         `is_first_order`.""",
         Improvement,
     )

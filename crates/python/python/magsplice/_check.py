@@ -1,4 +1,4 @@
-"""Expectations of a film, and whether it meets them."""
+"""Expectations of a film, and their outcomes."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _BASELINE = ("x_mm", "y_mm", "z_mm", "bx_t", "by_t", "bz_t")
 
 
 class Percentile(Result):
-    """A percentile of films that are made."""
+    """A percentile of real films."""
 
     per_cent: float = key("Which percentile.")
     value: float = key("Its estimate.")
@@ -26,38 +26,38 @@ class Percentile(Result):
 
 
 class Outcome(Result):
-    """One expectation of a layout with its value."""
+    """An expectation of a layout with its value."""
 
     expectation: str = key("Key in the layout file, such as ``uniformity_rmse.r_x``.")
     status: Status = key(
         "Whether the bound is kept (ok), broken (failed), or could not be checked (error)."
     )
-    error: str | None = key("Why it cannot be evaluated; None if it can.")
+    error: str | None = key("The reason why it cannot be evaluated, or None.")
     value: float | None = key(
-        """Computed value, in the unit of the key. For films that are made, the limit of the
-        percentile that is compared with the bound."""
+        """Computed value, in the unit of the key. For real films, the limit of the percentile that
+        is compared with the bound."""
     )
-    at_most: float | None = key("Upper bound, if it has one.")
-    at_least: float | None = key("Lower bound, if it has one.")
+    at_most: float | None = key("Upper bound, if any.")
+    at_least: float | None = key("Lower bound, if any.")
     margin: float | None = key("Distance from the bound; negative if the value breaks it.")
     at_mm: Vector | None = key("Point of the largest difference from the baseline, in millimetres.")
-    tile: str | None = key("Tile that is nearest to the working volume.")
-    percentile: Percentile | None = key("Percentile of films that are made.", Percentile)
+    tile: str | None = key("Tile nearest to the working volume.")
+    percentile: Percentile | None = key("Percentile of real films.", Percentile)
 
 
 class Check(Result):
     """Expectations of a film with their values."""
 
     file: str = key("Name of the text of the layout.")
-    status: Status = key("Worst status of the expectations; ``failed`` with findings, too.")
-    error: str | None = key("None: a film has a layout that can be used.")
+    status: Status = key("Worst status of the expectations; also ``failed`` with findings.")
+    error: str | None = key("Always None: a film has a valid layout.")
     layout: str = key("Name of the layout.")
     sha256: str = key("SHA-256 of the text of the layout.")
     tiles: int = key("Number of tiles.")
-    findings: list[str] = key("Properties that are allowed but usually a mistake.")
+    findings: list[str] = key("Allowed properties that are usually a mistake.")
     expectations: list[Outcome] = key("One for each bound of ``[expect]``.", Outcome)
     recoil_estimates: list[RecoilEstimate] | None = key(
-        "What recoil would change, to first order; None if it is not known.", RecoilEstimate
+        "The effect of recoil to first order; None if unknown.", RecoilEstimate
     )
 
     def __getitem__(self, expectation: str) -> Outcome:
@@ -71,7 +71,7 @@ class Check(Result):
 
 
 def read_baseline(path: Path) -> tuple[Floats, Floats] | str:
-    """Points in millimetres and B in tesla, as ``magsplice field`` writes them, or the fault."""
+    """Points in millimetres and B in tesla, as written by ``magsplice field``, or the fault."""
     try:
         with path.open(encoding="utf-8") as file:
             names = [name.strip() for name in file.readline().split(",")]

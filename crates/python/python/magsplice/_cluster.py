@@ -1,4 +1,4 @@
-"""Work on the workers of a Dask client, which schedules it."""
+"""Work on the workers of a Dask client."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from magsplice._layout import Floats
 
 Result = TypeVar("Result")
 
-#: Tasks for each thread of the workers, so that all end at about the same time.
+#: Number of tasks for each thread of the workers, so that all end at about the same time.
 _TASKS_PER_THREAD = 8
-#: Most samples of a task: a few seconds for the published film, which is lost with a worker.
+#: Largest number of samples of a task: a few seconds of the published film, lost with a worker.
 _MOST_PER_TASK = 10_000
 
 
@@ -37,8 +37,8 @@ def samples(
     counts = {}
     for start in range(first, first + count, partition):
         size = min(partition, first + count - start)
-        # The film is in every task, so that no worker holds what others need. A task is not called
-        # pure, so that equal calls are computed again.
+        # The film is in every task, so no worker holds data of other workers. Tasks are not
+        # declared pure, so equal calls are computed again.
         counts[client.submit(draw, start, size, pure=False)] = size
     futures = list(counts)
     try:

@@ -15,22 +15,22 @@ if TYPE_CHECKING:
 
 
 class Comparison(OfFilm):
-    """The difference of the field of a film from that of the ideal film (Dai 2024, Eq. 2)."""
+    """The difference of the field of a film from the field of the ideal film (Dai 2024, Eq. 2)."""
 
     points: int = key("Number of points.")
     component_rmse_t: Vector = key("RMS difference of B_x, B_y, B_z, in tesla.")
     rmse_t: float = key("RMS length of the difference, in tesla.")
     relative_rmse: float = key("`rmse_t` over the root mean square of the ideal B.")
     worst_t: float = key("Largest length of the difference, in tesla.")
-    worst_at_mm: Vector = key("First point where it occurs, in millimetres.")
-    amplitude: float = key("Factor that brings the ideal B closest to B of the film.")
+    worst_at_mm: Vector = key("First point of the largest difference, in millimetres.")
+    amplitude: float = key("Factor of the ideal B that fits B of the film best.")
     scaled_relative_rmse: float | None = key(
-        "Relative RMSE against the ideal B times `amplitude`; None if that is 0."
+        "Relative RMSE against the ideal B times `amplitude`; None if `amplitude` is 0."
     )
     correlation: tuple[float | None, float | None, float | None] = key(
         "Pearson's correlation of each component; None where a component does not vary."
     )
-    remark: str | None = key("What an unusual result means.")
+    remark: str | None = key("Remark on an unusual result.")
 
 
 class Decoupling(OfFilm, Table):
@@ -46,19 +46,19 @@ class Decoupling(OfFilm, Table):
     uniformity_rmse: PerParameter[float | None] | None = key(
         """Uniformity RMSE of R_x, R_y, S_z: the standard deviation over the planes normal to the
         own axis of a parameter, averaged over the planes. None where the planes have one point
-        each, and for points that are no grid."""
+        each, and for points that form no grid."""
     )
     uniformity_rmse_mm: PerAxis[float | None] | None = key("`uniformity_rmse` in mm.")
     ideal_rmse: PerParameter[float] = key("RMSE of the changes against the ideal film.")
     displacement_rmse_mm: PerAxis[float] = key(
-        """RMSE of the displacement along x, y, z that the parameters give (Dai 2024, Eq. 14), in
-        millimetres: `ideal_rmse` over the wavenumber."""
+        """RMSE of the displacement along x, y, z computed from the parameters (Dai 2024, Eq. 14),
+        in millimetres: `ideal_rmse` over the wavenumber."""
     )
     worst_displacement_error_mm: PerAxis[float] | None = key(
-        "Longest error of the displacement at points that are no grid, in millimetres."
+        "Longest error of the displacement at points that form no grid, in millimetres."
     )
-    worst_displacement_at_mm: Vector | None = key("Point where it occurs, in millimetres.")
-    left_out: dict[str, str] | None = key("What only a grid has, and why.")
+    worst_displacement_at_mm: Vector | None = key("Point of the longest error, in millimetres.")
+    left_out: dict[str, str] | None = key("Results that need a grid, and the reasons.")
     where: Grid | Floats = key("The grid, or the points in millimetres, shape (..., 3).")
     field_t: Floats = key("B in tesla, shape (..., 3).")
     parameters: Floats = key("R_x, R_y in radians and S_z, shape (..., 3); NaN at singular points.")
@@ -67,17 +67,17 @@ class Decoupling(OfFilm, Table):
 
     @property
     def r_x(self) -> Floats:
-        """R_x in radians, shape (...): follows the displacement along x."""
+        """R_x in radians, shape (...); depends on the displacement along x."""
         return self.parameters[..., 0]
 
     @property
     def r_y(self) -> Floats:
-        """R_y in radians, shape (...): follows the displacement along y."""
+        """R_y in radians, shape (...); depends on the displacement along y."""
         return self.parameters[..., 1]
 
     @property
     def s_z(self) -> Floats:
-        """S_z, shape (...): follows the displacement along z."""
+        """S_z, shape (...); depends on the displacement along z."""
         return self.parameters[..., 2]
 
     @property

@@ -1,4 +1,4 @@
-"""Which tiles of a film that was made are faulty, from a scan of its field."""
+"""Faulty tiles of a real film, from a scan of its field."""
 
 from __future__ import annotations
 
@@ -16,44 +16,47 @@ Unknown = Literal["strength", "offset", "rotation", "start"]
 
 
 class Suspect(Result):
-    """A tile that may have an error."""
+    """A tile with a possible error."""
 
     tile: str = key("Name of the tile.")
-    kind: Kind = key("What may be wrong.")
+    kind: Kind = key("The possible fault.")
 
 
 class FaultyTile(Result):
     """An error of a tile that neither noise nor expected errors explain.
 
-    Changes of the strength are in per cent, turns in degrees, and displacements in millimetres.
+    Changes of the strength are in percent, turns in degrees, and displacements in millimetres.
     """
 
     tile: str = key("Name of the tile.")
-    kind: Kind = key("What is wrong: |J|, the tile with its J, J within the tile, or its position.")
+    kind: Kind = key(
+        "The fault: |J|, the rotation of the tile with its J, J within the tile, or the position."
+    )
     magnitude: float = key(
-        """Change of the strength, or the length of the vector of all components that are more than
-        noise."""
+        """Change of the strength, or the length of the vector of all significant components."""
     )
     components: dict[str, tuple[float, float]] = key("Value and deviation by error.")
     chi_squared: float = key("Rise of chi squared without this error.")
-    ln_probability: float = key("Logarithm of the probability of as much by chance for one error.")
+    ln_probability: float = key(
+        "Logarithm of the probability of this rise by chance, for one error."
+    )
     alternatives: list[Suspect] = key(
-        "Tiles and kinds that explain the readings nearly as well in its place, the best first.",
+        "Tiles and kinds that in its place explain the readings nearly as well, the best first.",
         Suspect,
     )
 
 
 class FittedScan(Result):
-    """What was fitted of a scan."""
+    """Fitted parameters of a scan."""
 
-    strength: float = key("Strength of all tiles over that of the layout.")
+    strength: float = key("Strength of all tiles, relative to the layout.")
     offset_t: Vector = key("Constant reading, in tesla.")
     rotation_deg: Vector = key("Rotation vector of the sensor, in degrees.")
     start_mm: Vector = key("Position of the sensor at the origin of the scan, in millimetres.")
 
 
 class Diagnosis(OfFilm, Table):
-    """What a scan tells of the tiles of a film. A table of their errors, one row for each tile."""
+    """The diagnosis of a film. A table of the errors of tiles, one row for each tile."""
 
     readings: int = key("Number of readings.")
     noise_t: Vector = key("Noise of a reading along x, y, z, in tesla.")
@@ -61,27 +64,27 @@ class Diagnosis(OfFilm, Table):
     has_expected_errors: bool = key(
         "Whether other tiles have the errors of ``[tolerance]``; otherwise they count as ordered."
     )
-    faulty: list[FaultyTile] = key("Errors that are named, the surest first.", FaultyTile)
-    is_complete: bool = key("Whether all significant errors are named.")
-    scan: FittedScan = key("What was fitted of the scan.", FittedScan)
+    faulty: list[FaultyTile] = key("Identified errors, the most certain first.", FaultyTile)
+    is_complete: bool = key("Whether `named` has all significant errors.")
+    scan: FittedScan = key("Fitted parameters of the scan.", FittedScan)
     residual_t: float = key("Root mean square of the residual of a component, in tesla.")
     chi_squared: float = key(
-        """Sum of the squares of residuals over those of the noise, and of expected errors over
-        their deviations."""
+        """Sum of the squares of residuals over noise, and of expected errors over their
+        deviations."""
     )
     degrees_of_freedom: int = key("Expectation of `chi_squared`.")
-    is_residual_too_large: bool = key("Whether noise and errors of tiles do not explain it.")
+    is_residual_too_large: bool = key("Whether the residual exceeds noise and errors of tiles.")
     unresolved: list[dict[str, Any]] = key(
-        """Errors that the scan hardly narrows: ``tile``, ``error`` and its standard deviations
+        """Errors hardly narrowed by the scan: ``tile``, ``error`` and its standard deviations
         ``before`` and ``after`` the scan."""
     )
     similar: list[dict[str, Any]] = key(
-        """Pairs of errors that change the readings alike: ``tiles``, ``errors`` and
-        ``correlation``, the most alike first."""
+        """Pairs of errors with similar effects on the readings: ``tiles``, ``errors`` and
+        ``correlation``, the most similar first."""
     )
     names: list[str] = key("Names of the tiles.")
     errors: dict[str, Floats] = key(
-        """Errors of the tiles in the film that explains the readings, by their names, such as
+        """Errors of the tiles in the film that explains the readings, by their keys, such as
         ``position_x_mm``, ``rotation_x_deg``, ``strength_percent``: arrays of shape (n,)."""
     )
 
@@ -100,7 +103,7 @@ class Diagnosis(OfFilm, Table):
 
     @property
     def size_mm(self) -> Floats:
-        """Errors of their sides in millimetres, shape (n, 3)."""
+        """Errors of the sides in millimetres, shape (n, 3)."""
         return self._three("size", "mm")
 
     def columns(self) -> dict[str, Column]:

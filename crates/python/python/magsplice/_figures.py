@@ -1,4 +1,4 @@
-"""Figures of a film: how well it decouples, and the statistics of films that are made."""
+"""Figures of a film: measures of its decoupling, and the statistics of real films."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ T = TypeVar("T")
 
 
 class Estimate(Result):
-    """A value estimated from samples, with an interval that holds the true one with 95 %."""
+    """A value estimated from samples, with its interval of 95 % confidence."""
 
     value: float = key("The estimate.")
-    interval: tuple[float, float] = key("Its ends; infinite where there are too few samples.")
+    interval: tuple[float, float] = key("Ends of the interval; infinite with too few samples.")
 
     @property
     def low(self) -> float:
@@ -42,7 +42,7 @@ class Statistics(Result):
 
 
 class SampledFigure(Statistics):
-    """A figure of films that are made."""
+    """A figure of real films."""
 
     nominal: float = key("The figure of the film as ordered.")
 

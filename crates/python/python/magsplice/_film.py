@@ -1,4 +1,4 @@
-"""Films, and the films that searches and assignments find."""
+"""Films, and results of searches and assignments."""
 
 from __future__ import annotations
 
@@ -58,9 +58,9 @@ if TYPE_CHECKING:
 
 Invalid = Literal["raise", "nan"]
 
-#: Most samples of one call, as of a run of the program.
+#: Largest number of samples of one call, as in the program.
 _MOST_SAMPLES = 10_000_000
-#: Most threads, which rayon allows.
+#: Largest number of threads, a limit of rayon.
 _MOST_THREADS = 65_535
 
 
@@ -68,13 +68,13 @@ class Film(_magsplice.Film):
     """A spliced film, or any other arrangement of block magnets, with its exact field.
 
     Lengths are in millimetres, flux density B and polarization J in tesla, field strength H in
-    ampere per metre. Points have the shape (..., 3), and so do fields. The film fills z >= 0 as a
-    rule, and the sensor is below it, at z < 0. A film does not change; `replace` makes another one.
+    ampere per metre. Points and fields have the shape (..., 3). The film usually fills z >= 0, and
+    the sensor is below it, at z < 0. A film is immutable; `replace` returns another film.
 
     Parameters
     ----------
     tiles : iterable of Tile
-        The tiles. They may touch and must not overlap.
+        The tiles. They may touch, but must not overlap.
     name : str
         Name of the film.
     description : str, optional
@@ -84,24 +84,21 @@ class Film(_magsplice.Film):
     volume : Volume or mapping, optional
         The region in which the sensor moves. The same methods need it.
     material, expect, design, tolerance, sensor, elastomer : mapping, optional
-        Tables of the layout file of these names, such as
-        ``tolerance={"preset": "workshop", "size_mm": 0.02}`` or
-        ``material={"recoil_permeability": 1.05}``; docs/layout-format.md has all keys.
+        Tables of the layout file with these names, such as ``tolerance={"preset": "workshop",
+        "size_mm": 0.02}`` or ``material={"recoil_permeability": 1.05}``; docs/layout-format.md has
+        all keys.
 
     Raises
     ------
     LayoutError
         If the film breaks rules of layouts. All broken rules are in ``error.faults``.
 
-    Notes
-    -----
-    The error of a field is at most 2e-14 of the sum, over all tiles, of the magnitudes of the
-    fields that the three components of J make alone. All processors are used; the environment
-    variable RAYON_NUM_THREADS limits them. The interpreter is free for other threads during work,
-    and Ctrl-C interrupts it. A method raises MagspliceError if the layout lacks a table that it
-    needs, and names it.
+    Notes ----- The error of a field is at most 2e-14 of the sum, over all tiles, of the magnitudes
+    of the fields of the three components of J. All processors are used; the environment variable
+    RAYON_NUM_THREADS limits them. The interpreter is free for other threads during work, and Ctrl-C
+    interrupts it. A method raises MagspliceError if the layout lacks a required table.
 
-    Source: Dai et al., Magnetochemistry 2024, 10(1), 6, is "Dai 2024".
+    "Dai 2024" is Dai et al., Magnetochemistry 2024, 10(1), 6.
 
     Examples
     --------
@@ -153,19 +150,19 @@ class Film(_magsplice.Film):
         ----------
         layout : mapping
             The keys and tables of a layout file, such as ``{"name": "one", "tile": [...]}``. Tables
-            may also be `Tile`, `Ideal` and `Volume`, and arrays stand for lists. ``format`` may be
-            left out, and keys with the value None count as left out.
+            may also be `Tile`, `Ideal` and `Volume`, and lists may be arrays. ``format`` may be
+            omitted, and keys with the value None count as omitted.
         folder : str or path, optional
-            Folder of files that the layout names. Default: the working folder.
+            Folder of files referenced by the layout. Default: the working folder.
 
-        Raises LayoutError if it is no layout.
+        Raises LayoutError if the mapping is no layout.
         """
         tables = {"format": 1, **{key: table_of(part) for key, part in layout.items()}}
         origin = str(tables.get("name") or "layout")
         return film_of_text(_toml.text_of(tables), origin, folder)
 
     def to_dict(self) -> dict[str, Any]:
-        """Layout in the plain form: one entry of ``tile`` for each tile, all keys as in a file."""
+        """Layout in the plain form: one entry of ``tile`` for each tile, keys as in a file."""
         layout: dict[str, Any] = json.loads(self._to_json())
         return layout
 
@@ -194,11 +191,11 @@ class Film(_magsplice.Film):
         Path(path).write_text(self.to_toml(compact=compact), encoding="utf-8")
 
     def __reduce__(self) -> tuple[Callable[..., Film], tuple[str, str, str | None]]:
-        # The text makes the same film bit for bit. Files that it names must be in reach.
+        # The text gives the same film bit for bit. Its files must be reachable.
         return film_of_text, self._source
 
     def __eq__(self, other: object) -> bool:
-        """Whether the layouts have the same text, and their files the same folder."""
+        """Whether the layouts have the same text and the same folder of files."""
         if not isinstance(other, Film):
             return NotImplemented
         return self._source[::2] == other._source[::2]
@@ -223,7 +220,7 @@ class Film(_magsplice.Film):
 
     @cached_property
     def tiles(self) -> Tiles:
-        """All tiles, repetitions written out."""
+        """All tiles, with repetitions expanded."""
         return Tiles(*self._tiles())
 
     @property
@@ -272,26 +269,24 @@ class Film(_magsplice.Film):
         within_t : float, optional
             Accepted length of the error in tesla. Excludes `within`.
         invalid : {"raise", "nan"}
-            What happens at points without a field, such as those on exposed edges.
+            Handling of points without a field, such as points on exposed edges.
 
         Returns
         -------
         ndarray of shape (..., 3)
-            B at each point; for a grid of shape (nx, ny, nz, 3). Exact values depend on no other
-            point and on no number of threads.
+            B at each point; for a grid of shape (nx, ny, nz, 3). Exact values do not depend on
+            other points or on the number of threads.
 
         Raises
         ------
         PointsError
-            If points have no field, or a tolerance cannot be kept there.
+            If points have no field, or cannot keep the tolerance.
         ValueError
             If the points have another shape.
 
-        Notes
-        -----
-        Error of the exact field: at most 2e-14 of the sum over tiles (see `error_bound`). On a face
-        B is that of the side of larger x, y or z. A tolerance saves time on grids and with many
-        tiles: docs/accuracy-and-speed.md.
+        Notes ----- Error of the exact field: at most 2e-14 of the sum over tiles (see
+        `error_bound`). On a face B is the limit from the side of larger x, y or z. A tolerance
+        saves time on grids and with many tiles: docs/accuracy-and-speed.md.
         """
         return self._field("b", points, within, within_t, invalid)
 
@@ -324,15 +319,15 @@ class Film(_magsplice.Film):
         points : array_like of shape (..., 3), or Grid
             Points in millimetres.
         quantity : {"b", "h"}
-            Which field is differentiated.
+            The field to differentiate.
         invalid : {"raise", "nan"}
-            What happens at points without a gradient, such as those on edges.
+            Handling of points without a gradient, such as points on edges.
 
         Returns
         -------
         ndarray of shape (..., 3, 3)
             Element (..., i, j) is the derivative of component i along coordinate j. The gradient of
-            B is mu0 times that of H inside a tile too, so it is symmetric and has no trace.
+            B is mu0 times the gradient of H, also inside tiles, so it is symmetric without trace.
 
         Raises
         ------
@@ -349,8 +344,8 @@ class Film(_magsplice.Film):
     def error_bound(self, points: ArrayLike | Grid) -> Floats:
         """Upper bound in tesla of the error of the exact B, shape (...).
 
-        It is 2e-14 of an upper bound of the sum over tiles of the fields that the three components
-        of J make alone. A component of B below it may be rounding alone.
+        It is 2e-14 of an upper bound of the sum over tiles of the magnitudes of the fields of the
+        three components of J. A component of B below the bound may be pure rounding.
         """
         flat, shape = flattened(points)
         return self._scene.error_bounds_t(flat).reshape(shape)
@@ -372,7 +367,7 @@ class Film(_magsplice.Film):
     ) -> xarray.Dataset:
         """B on a grid as an xarray dataset with the dimensions x, y, z and component.
 
-        The variable ``b`` is B in tesla, and ``ideal_b`` that of the ideal film, if there is one.
+        The variable ``b`` is B in tesla, and ``ideal_b`` is B of the ideal film, if there is one.
 
         Parameters
         ----------
@@ -459,8 +454,8 @@ class Film(_magsplice.Film):
         Parameters
         ----------
         points : array_like of shape (..., 3), optional
-            Points in millimetres. Default: the grid of the working volume, of which alone there is
-            a uniformity RMSE.
+            Points in millimetres. Default: the grid of the working volume. A uniformity RMSE needs
+            the grid.
         within, within_t : float, optional
             See `b`.
 
@@ -480,11 +475,11 @@ class Film(_magsplice.Film):
         return Decoupling(numbers, where=where, **shaped(more, shape))
 
     def check(self) -> Check:
-        """Values of everything that ``[expect]`` bounds, as ``magsplice check`` compares them.
+        """Values of all quantities bounded by ``[expect]``, as in ``magsplice check``.
 
-        Each expectation is evaluated by itself, so that one that cannot be does not hide the
-        others. ``film.check().status`` is ``"ok"`` if the film meets all. Nothing is written: a
-        baseline is read, and never replaced.
+        Expectations are evaluated independently: the failure of one does not hide the others.
+        ``film.check().status`` is ``"ok"`` if the film meets all. A baseline is read, never
+        written.
         """
         name = self._baseline_file
         held = None if name is None else read_baseline(Path(self._source[-1] or ".") / name)
@@ -492,15 +487,15 @@ class Film(_magsplice.Film):
 
     @cached_property
     def recoil(self) -> Recoil | None:
-        """What recoil changes; None if no tile has a recoil permeability above 1.
+        """The effect of recoil; None if no tile has a recoil permeability above 1.
 
-        It is solved when the film is first evaluated, and once. Every field and result of the film
-        is that of the cells.
+        It is solved once, at the first evaluation of the film. Every field and result of the film
+        comes from the cells.
 
         Raises
         ------
         MagspliceError
-            If tiles overlap, or B is not known to the stated error with 120 000 cells.
+            If tiles overlap, or B does not reach the requested error with 120 000 cells.
         """
         found = _magsplice.recoil(self)
         if found is None:
@@ -513,18 +508,18 @@ class Film(_magsplice.Film):
         return Recoil(numbers, names=self.tiles.names, **more)
 
     def recoil_estimate(self, mu_r: float = 1.05) -> RecoilEstimate | None:
-        """What recoil would change, to first order, as ``magsplice plan`` and ``check`` print it.
+        """The effect of recoil to first order, as in ``magsplice plan`` and ``check``.
 
         Parameters
         ----------
         mu_r : float
-            Relative recoil permeability of all tiles. Without effect if the layout states its own.
+            Relative recoil permeability of all tiles. No effect if the layout has its own.
 
         Returns
         -------
         RecoilEstimate | None
             None if the layout has no ideal film, no working volume or more than 1000 tiles, or its
-            figures do not exist.
+            figures are undefined.
 
         Raises
         ------
@@ -548,31 +543,31 @@ class Film(_magsplice.Film):
         partition: int | None = None,
         progress: Callable[[int, int], Any] | None = None,
     ) -> Samples:
-        """Decoupling errors of films that are made, with the errors of ``[tolerance]``.
+        """Decoupling errors of real films, with the errors of ``[tolerance]``.
 
-        Sample number i depends on the seed and on i alone. Any division of the samples into calls,
-        threads or workers gives the same bits.
+        Sample number i depends on the seed and on i alone. The result does not depend on the
+        division of the samples into calls, threads or workers.
 
         Parameters
         ----------
         samples : int, optional
-            Number of films, up to 10 million. Default: that of the layout, 1000 if it states none.
+            Number of films, up to 10 million. Default: the number in the layout, else 1000.
         preset : {"by-hand", "workshop", "jig"}, optional
-            Errors of every tile to assume instead of those of the layout.
+            Typical errors of every tile, instead of the errors of the layout.
         seed : int, optional
-            Seed. Default: that of the layout, 1 if it states none.
+            Seed. Default: the seed in the layout, else 1.
         first : int
             Number of the first sample.
         threads : int, optional
             Number of threads. Default: all processors, and 1 in a task of a client.
         client : distributed.Client, optional
-            Dask client on whose workers the samples are computed. A worker that is lost costs time
-            and no sample. docs/python-cluster.md describes clusters.
+            Dask client whose workers compute the samples. The loss of a worker costs time, but no
+            sample. docs/python-cluster.md describes clusters.
         partition : int, optional
-            Number of samples of a task of the client. Default: so many that there are 8 tasks for
-            each thread of the workers, and at most 10 000.
+            Number of samples of a task of the client. Default: for 8 tasks per thread of the
+            workers, at most 10 000.
         progress : callable, optional
-            Called with the number of finished samples and the number of all.
+            Called with the number of finished samples and the total number.
 
         Raises
         ------
@@ -595,19 +590,19 @@ class Film(_magsplice.Film):
     def budget(
         self, samples: int = 200, *, preset: Preset | None = None, seed: int | None = None
     ) -> Budget:
-        """Where the displacement error of films that are made comes from.
+        """The displacement error of real films, divided by its causes.
 
-        Its mean square is divided into the splicing pattern, the end of the film, and each cause of
-        ``[tolerance]``, as ``magsplice budget`` does.
+        The mean square is divided into the splicing pattern, the end of the film, and each cause of
+        ``[tolerance]``, as in ``magsplice budget``.
 
         Parameters
         ----------
         samples : int
-            Number of samples that check the division, or divide, from 20 to 1 000 000.
+            Number of samples that check or compute the division, from 20 to 1 000 000.
         preset : {"by-hand", "workshop", "jig"}, optional
-            Errors of every tile to assume instead of those of the layout.
+            Typical errors of every tile, instead of the errors of the layout.
         seed : int, optional
-            Seed. Default: that of the layout, 1 if it states none.
+            Seed. Default: the seed in the layout, else 1.
 
         Raises
         ------
@@ -627,29 +622,29 @@ class Film(_magsplice.Film):
         seed: int = 1,
         turned_error: float = 1e-9,
     ) -> Forces:
-        """Forces and torques of the tiles on each other, as ``magsplice forces`` prints them.
+        """Forces and torques of the tiles on each other, as in ``magsplice forces``.
 
-        Tiles with parallel edges have them in closed form, exact to round-off, also where they
-        touch. Tiles with a recoil permeability are divided into 27 cells or more, with the
-        polarization that they have in the whole film.
+        For tiles with parallel edges they have a closed form, exact to round-off, even in contact.
+        Tiles with a recoil permeability are divided into 27 cells or more, with their polarization
+        in the whole film.
 
         Parameters
         ----------
         order : {"given", "least"} or sequence of str, optional
-            Order of laying: that of the layout, the one with the least holding that is found, or
-            the names of all tiles. Default: none.
+            Placement order: the order of the layout, the order with the smallest holding force
+            found, or the names of all tiles. Default: none.
         seed : int
-            Seed of the random numbers of the search for the least holding.
+            Seed of the search for the smallest holding force.
         turned_error : float
-            Largest relative error of the force of two tiles that are turned against each other,
-            from 1e-13 to 0.1.
+            Largest relative error of the force of two tiles turned against each other, from 1e-13
+            to 0.1.
 
         Raises
         ------
         ValueError
-            If the order has not each tile once, or `turned_error` is out of range.
+            If the order does not have each tile once, or `turned_error` is out of range.
         MagspliceError
-            If there are more than 4000 tiles or cells, or the force of turned tiles is not known to
+            If there are more than 4000 tiles or cells, or the force of turned tiles does not reach
             `turned_error`.
         """
         if not 1e-13 <= turned_error <= 0.1:
@@ -669,33 +664,33 @@ class Film(_magsplice.Film):
         zero: ArrayLike | None = None,
         rest: ArrayLike | None = None,
     ) -> Readings:
-        """Displacements, and forces, from what a Hall sensor reads below the film.
+        """Displacements and forces from the readings of a Hall sensor below the film.
 
-        Positions are found by the exact field and its gradient. Errors of the positions are those
-        of the field, 2e-14 of the sum over tiles, over its gradient.
+        The exact field and its gradient give the positions. Errors of the positions are errors of
+        the field, 2e-14 of the sum over tiles, over its gradient.
 
         Parameters
         ----------
         readings_t : array_like of shape (..., 3)
-            Readings in tesla, as the sensor of ``[sensor]`` gives them; without this table it is a
+            Readings of the sensor of ``[sensor]``, in tesla; without this table the sensor is a
             point that reads B.
         noise_t : float or sequence of 3 floats, optional
-            Standard deviation of a reading along each axis, in tesla. Default: that of
+            Standard deviation of a reading along each axis, in tesla. Default: the noise of
             ``[sensor]``.
         constant_t : sequence of 3 floats
-            What every reading contains besides the film's field, in tesla, such as a stray field.
+            Part of every reading in addition to the film's field, in tesla, such as a stray field.
         zero : array_like of shape (..., 3), optional
-            Readings of the sensor at rest at the reference point, in tesla. What their mean has
-            beyond the field there is subtracted from all readings. Excludes `constant_t`.
+            Readings of the sensor at rest at the reference point, in tesla. The difference of their
+            mean from the field there is subtracted from all readings. Excludes `constant_t`.
         rest : array_like of shape (..., 3), optional
-            Readings of the sensor at rest, in tesla, in no field but that of the film.
-            Displacements count from its position. Excludes `constant_t` and `zero`.
+            Readings of the sensor at rest, in tesla, in the field of the film alone. Displacements
+            count from their position. Excludes `constant_t` and `zero`.
 
         Returns
         -------
         Readings
-            Displacements from the reference point, with standard deviations if there is noise, and
-            forces if the layout has an ``[elastomer]``.
+            Displacements from the reference point, with standard deviations if the noise is known,
+            and forces if the layout has an ``[elastomer]``.
 
         Raises
         ------
@@ -703,14 +698,14 @@ class Film(_magsplice.Film):
             If the sensor cannot read the field, or the mean of `rest` has no position.
         ValueError
             If more than one of `constant_t`, `zero` and `rest` is given, one has no readings or
-            none that are finite numbers, or a noise is not above 0.
+            readings that are not finite, or a noise is not above 0.
         """
         flat, shape = flattened(readings_t)
         x, y, z = (float(value) for value in constant_t)
         if not np.isfinite((x, y, z)).all():
             raise ValueError(f"constant_t = {constant_t}, must be finite numbers")
         if sum([any((x, y, z)), zero is not None, rest is not None]) > 1:
-            raise ValueError("more than one of constant_t, zero and rest is given: give one")
+            raise ValueError("more than one of constant_t, zero and rest is given; give one")
         numbers, more = _magsplice.read(
             self,
             flat,
@@ -727,23 +722,23 @@ class Film(_magsplice.Film):
         *,
         noise_t: float | Sequence[float] | None = None,
     ) -> Floats:
-        """Standard deviations of the position that one reading gives, in millimetres.
+        """Standard deviations of the position from one reading, in millimetres.
 
-        The shape is (..., 3). No unbiased estimate from one reading has smaller ones (the bound of
-        Cramér and Rao).
+        The shape is (..., 3). No unbiased estimate from one reading has smaller deviations (the
+        bound of Cramér and Rao).
 
         Parameters
         ----------
         points : array_like of shape (..., 3), or Grid, optional
             Points in millimetres. Default: the grid of the working volume.
         noise_t : float or sequence of 3 floats, optional
-            Standard deviation of a reading along each axis, in tesla. Default: that of
+            Standard deviation of a reading along each axis, in tesla. Default: the noise of
             ``[sensor]``.
 
         Raises
         ------
         ValueError
-            If neither `noise_t` nor the layout states a noise, or a noise is not above 0.
+            If neither `noise_t` nor the layout gives a noise, or a noise is not above 0.
         MagspliceError
             If the sensor cannot read the field.
         """
@@ -769,21 +764,21 @@ class Film(_magsplice.Film):
         direction_error_deg: float | None = None,
         size_error_mm: float | None = None,
     ) -> Assignment:
-        """The measured tiles at the places where the displacement error of the film is least.
+        """The assignment of measured tiles to places that minimizes the displacement error.
 
-        As ``magsplice assign`` does: local searches from many starts, by the exact derivatives and
-        then the exact field. What recoil adds to the field is that of the film as ordered.
+        As in ``magsplice assign``: local searches from many starts, by the exact derivatives and
+        then the exact field. Recoil adds the same field as in the film as ordered.
 
         Parameters
         ----------
         measured : iterable of MeasuredTile
-            The tiles in the box, spares included.
+            The tiles in the box, including spares.
         placed : iterable of PlacedTile
-            Tiles of the box that lie already. They stay, and the others make up for them.
+            Tiles of the box already placed. They stay; the remaining tiles compensate.
         shims : iterable of str
-            Places of tiles whose strength is chosen.
+            Places of tiles with adjustable strength.
         may_turn_over : bool
-            Whether the side that was up when a tile was measured may be down.
+            Whether tiles may be turned over from their orientation as measured.
         starts : int
             Number of random starts, from 1 to 10 000.
         seed : int
@@ -791,15 +786,15 @@ class Film(_magsplice.Film):
         strength_error, direction_error_deg, size_error_mm : float, optional
             Standard deviations of the errors of the measurements: of the strength as a fraction up
             to 0.5, of the direction of J about each axis normal to it up to 45 degrees, and of each
-            side up to 10 mm. With any of them `Assignment.measured_rms_mm` is known.
+            side up to 10 mm. With any of them `Assignment.measured_rms_mm` is computed.
 
         Raises
         ------
         ValueError
             If `starts` or an error is out of range.
         MagspliceError
-            If a tile breaks a rule, or the tiles cannot be assigned. All tiles that break rules
-            are named.
+            If a tile breaks a rule, or the tiles cannot be assigned. The message lists all tiles
+            that break rules.
 
         Examples
         --------
@@ -843,38 +838,37 @@ class Film(_magsplice.Film):
         fit: Collection[Unknown] = (),
         false_alarm: float = 0.01,
     ) -> Diagnosis:
-        """Tiles that are weak, turned or displaced, from a scan of the field near the film.
+        """Weak, turned or displaced tiles, from a scan of the field near the film.
 
-        An error is named if neither the noise nor the expected errors of tiles explain it, as
-        ``magsplice diagnose`` does. What recoil adds to the field is that of the film as ordered.
+        An error is reported if neither the noise nor the expected errors of tiles explain it, as in
+        ``magsplice diagnose``. Recoil adds the same field as in the film as ordered.
 
         Parameters
         ----------
         points_mm : array_like of shape (..., 3)
             Positions of the scan in the frame of the film, in millimetres.
         readings_t : array_like of shape (..., 3)
-            Readings of the sensor of ``[sensor]`` there, in tesla; without this table B.
+            Readings of the sensor of ``[sensor]`` there, in tesla; without this table, B.
         noise_t : float or sequence of 3 floats, optional
-            Standard deviation of a reading along each axis, in tesla. Default: that of
+            Standard deviation of a reading along each axis, in tesla. Default: the noise of
             ``[sensor]``.
         preset : {"by-hand", "workshop", "jig"}, optional
-            Expected errors of every tile instead of those of ``[tolerance]``.
+            Expected errors of every tile, instead of ``[tolerance]``.
         as_ordered : bool
-            Whether tiles that are not named count as exactly as ordered, whatever ``[tolerance]``
-            states.
+            Whether to ignore ``[tolerance]``: other tiles count as exactly as ordered.
         fit : collection of {"strength", "offset", "rotation", "start"}
-            What is not known of the scan and fitted: the strength of all tiles, a constant reading,
-            the rotation of the sensor, its position at the origin of the scan.
+            Unknown parameters of the scan, to be fitted: the strength of all tiles, a constant
+            reading, the rotation of the sensor, its position at the origin of the scan.
         false_alarm : float
-            Probability that a tile of a film without faulty tiles is named.
+            Probability that a tile of a fault-free film is reported.
 
         Raises
         ------
         ValueError
-            If there are not as many readings as points, `fit` has another word, or `preset` and
+            If the numbers of readings and points differ, `fit` has another word, or `preset` and
             `as_ordered` are both given.
         MagspliceError
-            If the noise is not known, or the scan cannot be diagnosed.
+            If the noise is unknown, or the scan cannot be diagnosed.
         """
         points, _ = flattened(points_mm)
         readings, _ = flattened(readings_t)
@@ -896,22 +890,23 @@ class Film(_magsplice.Film):
         least_amplitude: float | None = None,
         progress: Callable[[str, int, int, float | None], Any] | None = None,
     ) -> Design:
-        """Search for the film that decouples best, as ``[design]`` of the layout asks.
+        """Search for the film with the best decoupling under the rules of ``[design]``.
 
         Parameters
         ----------
         least_amplitude : float, optional
-            Least best-fit amplitude against the ideal film, instead of that of ``[design]``.
+            Smallest best-fit amplitude against the ideal film, instead of the value in
+            ``[design]``.
         progress : callable, optional
-            Called with the stage, the finished items, their number (0 if it is not known), and the
-            best error so far (None before the first film).
+            Called with the stage, the number of finished items, the total number (0 if unknown),
+            and the best error so far (None before the first film).
 
         Raises
         ------
         ValueError
             If `least_amplitude` is not above 0.
         MagspliceError
-            If there is no film that keeps the rules of ``[design]``.
+            If no film keeps the rules of ``[design]``.
 
         Examples
         --------
@@ -930,22 +925,22 @@ class Film(_magsplice.Film):
         *,
         client: Any = None,
     ) -> Front:
-        """Trade-off of error against amplitude: one search for each least amplitude.
+        """Trade-off of error against amplitude: one search for each smallest amplitude.
 
-        The searches do not depend on each other, so that they can run on several machines.
-        ``magsplice design --front`` begins each at the film found before, too.
+        The searches are independent and can run on several machines. ``magsplice design --front``
+        also begins each search at the film found before.
 
         Parameters
         ----------
         least_amplitudes : sequence of float
-            Least best-fit amplitudes of the films.
+            Smallest best-fit amplitudes of the films.
         client : distributed.Client, optional
-            Dask client on whose workers the searches run. The films are the same as without.
+            Dask client whose workers run the searches. It does not change the films.
 
         Returns
         -------
         Front
-            The films that no other film beats in error and in amplitude.
+            The films that no other film beats in both error and amplitude.
         """
         searches = [partial(self.design, least_amplitude=least) for least in least_amplitudes]
         if client is None:
@@ -953,7 +948,7 @@ class Film(_magsplice.Film):
         return front_of(least_amplitudes, _cluster.gathered(client, searches))
 
     def report(self, *, outlines: bool = False, within: float | None = None) -> Report:
-        """Figures of the film and one HTML page, as ``magsplice report`` draws them.
+        """Figures of the film and one HTML page, as in ``magsplice report``.
 
         Parameters
         ----------
@@ -978,7 +973,7 @@ class Film(_magsplice.Film):
         return Report(*_magsplice.report(self, text, numbers, outlines, accepted))
 
     def view(self, height_px: int = VIEW_PX) -> Page:
-        """View of the tiles that can be turned, for a notebook.
+        """Rotatable view of the tiles, for a notebook.
 
         Parameters
         ----------
@@ -990,8 +985,8 @@ class Film(_magsplice.Film):
     def to_magpylib(self) -> Any:
         """Film as a `magpylib.Collection` of cuboids, in metres and tesla.
 
-        Tiles with a recoil permeability become their cells, with the polarization that agrees with
-        the field: magpylib knows no recoil.
+        Tiles with a recoil permeability become their cells, with the polarization consistent with
+        the field, because magpylib has no recoil.
 
         Needs magpylib: ``pip install "magsplice[magpylib]"``.
         """
@@ -999,7 +994,7 @@ class Film(_magsplice.Film):
 
 
 def film_of_text(text: str, origin: str, folder: str | os.PathLike[str] | None) -> Film:
-    """Film in the text of a layout file."""
+    """Film from the text of a layout file."""
     film: Film = _magsplice.Film.__new__(Film, text, origin, folder)
     return film
 
@@ -1011,23 +1006,23 @@ class Assignment(OfFilm, Table):
     """
 
     film: Film = key(
-        """The film with its measured tiles. Its ``[tolerance]`` has the errors of laying, and those
-        of the measurements."""
+        """The film with its measured tiles. Its ``[tolerance]`` has the placement errors and the
+        measurement errors."""
     )
-    measured_tiles: int = key("Number of tiles that were measured.")
-    spares: int = key("Number of the tiles that are left.")
+    measured_tiles: int = key("Number of measured tiles.")
+    spares: int = key("Number of remaining tiles.")
     ordered_rms_mm: float = key("RMS displacement error of the film as ordered.")
-    in_order_rms_mm: float = key("The same of the tiles in the order in which they were given.")
-    rms_mm: float = key("The same of the tiles as assigned.")
-    starts_rms_mm: list[float] = key("The same by the linear model at the end of each search.")
+    in_order_rms_mm: float = key("RMS displacement error of the tiles in the given order.")
+    rms_mm: float = key("RMS displacement error of the tiles as assigned.")
+    starts_rms_mm: list[float] = key("RMS by the linear model at the end of each search.")
     measurement_errors: dict[str, float | None] | None = key(
-        "Standard deviations ``strength``, ``direction_rad`` and ``size_mm``, if they are given."
+        "Standard deviations ``strength``, ``direction_rad`` and ``size_mm``, if given."
     )
     measured_rms_mm: Statistics | None = key(
-        "The distribution of the RMS with the errors of the measurements, if they are given.",
+        "The distribution of the RMS with the measurement errors, if given.",
         Statistics,
     )
-    shims: list[Shim] = key("Tiles whose strength is chosen.", Shim)
+    shims: list[Shim] = key("Tiles with adjustable strength.", Shim)
     plan: list[PlacedTile] = key(
         "The tile of each place, in the order of the places. The tile of a shim is ``shim``.",
         lambda row: PlacedTile(**row),
@@ -1048,7 +1043,7 @@ class Assignment(OfFilm, Table):
 
 
 class Design(Result):
-    """A film that a search found, with its errors before and after."""
+    """The film found by a search, with the errors before and after."""
 
     film: Film = key('The film found; ``film.save("better.toml")`` writes it.')
     before: Metrics = key("Errors of the film before the search, over its working volume.", Metrics)
@@ -1057,33 +1052,33 @@ class Design(Result):
         "Errors of the film found, over the design grid refined five times.", Metrics
     )
     made: MadeFilms | None = key(
-        """Errors of films that are made from both; None unless the design counts them
-        (``under = "tolerance"``).""",
+        """Errors of real films made from both; None unless the design minimizes them (``under =
+        "tolerance"``).""",
         MadeFilms,
     )
     error: float = key(
-        """What the search minimizes: the root of the weighted sum of squares of the three
-        uniformity or displacement RMSE (in millimetres), by the goal of ``[design]``; 95th
-        percentiles where the design counts films that are made; the scaled relative RMSE of B
-        for the goal ``field``."""
+        """The minimized error: the root of the weighted sum of squares of the three uniformity or
+        displacement RMSE (in millimetres), by the goal of ``[design]``; 95th percentiles where the
+        design minimizes errors of real films; the scaled relative RMSE of B for the goal
+        ``field``."""
     )
     stages: list[SearchStage] = key("Stages of the search.", SearchStage)
     parts: int = key("Number of distinct parts.")
-    starts_that_agree: int = key("Number of starts whose error is within a tenth of the best.")
-    short_of: list[str] = key("Demands that the film misses. Empty if it meets all.")
-    interrupted: bool = key("False: an interrupted search raises its exception.")
+    starts_that_agree: int = key("Number of starts with an error within a tenth of the best.")
+    short_of: list[str] = key("Demands that the film does not meet. Empty if it meets all.")
+    interrupted: bool = key("Always False: an interrupted search raises its exception.")
 
 
 class Front(Table):
     """The films of a trade-off of error against amplitude, in ascending order of the amplitude.
 
-    No other film that was found is as good in error and amplitude and better in one of them, and
-    every film has the amplitude it was asked for.
+    No other film found is as good in error and amplitude and better in one of them, and every film
+    has its requested amplitude.
 
     Attributes
     ----------
     least_amplitudes : list[float]
-        Amplitude that was asked for, of each film.
+        Requested amplitude of each film.
     designs : list[Design]
         The films.
     """
@@ -1112,7 +1107,7 @@ class Front(Table):
 
 
 def front_of(least_amplitudes: Iterable[float], designs: Iterable[Design]) -> Front:
-    """Films that keep their amplitude and that no other film beats."""
+    """Films that keep their amplitude and are not beaten by another film."""
     pairs = zip(least_amplitudes, designs, strict=True)
     kept = [pair for pair in pairs if not pair[1].short_of]
     kept.sort(key=lambda pair: (pair[1].after.amplitude, -pair[1].error))

@@ -1,4 +1,4 @@
-"""Forces and torques of tiles on each other, and orders in which they are laid."""
+"""Forces and torques of tiles on each other, and placement orders."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ _TORQUE = ("torque_x_n_mm", "torque_y_n_mm", "torque_z_n_mm")
 class Load(Result):
     """A force and a torque."""
 
-    name: str | None = key("Name of the tile; None for the sum of all.")
+    name: str | None = key("Name of the tile; None for the sum of all tiles.")
     force_n: Vector = key("Force, in newton.")
     torque_n_mm: Vector = key(
-        """Torque in newton millimetres, about the centre of the tile; for the sum of all about the
-        origin."""
+        """Torque in newton millimetres, about the centre of the tile; for the sum of all tiles,
+        about the origin."""
     )
 
 
@@ -59,20 +59,20 @@ class _Loads(Table):
 
 
 class LayingOrder(Result, _Loads):
-    """An order in which tiles are laid, each at its place, where it is glued.
+    """A placement order of tiles, each glued at its place.
 
-    The holding of a step is the magnitude of the force on its tile by those that lie already. That
-    of an order is the largest of its steps. A table of the steps.
+    The holding force of a step is the magnitude of the force on its tile by the tiles already
+    placed. The holding force of an order is the largest of its steps. A table of the steps.
     """
 
     source: str = key("``given``, ``least`` or ``stated``.")
-    holding_n: float = key("Holding of the order, in newton.")
+    holding_n: float = key("Holding force of the order, in newton.")
     hardest_step: int = key("Step of the largest force, from 1.")
-    given_holding_n: float = key("Holding of the order of the layout file.")
-    bound_n: float | None = key("Lower bound of all orders, if the order was searched.")
-    greedy_holding_n: float | None = key("Holding of the order built backwards, if searched.")
+    given_holding_n: float = key("Holding force of the order of the layout file.")
+    bound_n: float | None = key("Lower bound for all orders, if the order was searched.")
+    greedy_holding_n: float | None = key("Holding force of the order built backwards, if searched.")
     seed: int | None = key("Seed of the search.")
-    steps: list[Load] = key("Load on the tile of each step by those laid before.", Load)
+    steps: list[Load] = key("Load on the tile of each step by the tiles placed before.", Load)
 
     _rows = "steps"
 
@@ -83,11 +83,11 @@ class Forces(OfLayout, _Loads):
     recoil: dict[str, float] | None = key(
         """Number of ``cells``, ``level`` of their division, and in newton ``change_n``, the largest
         change of the force on a tile by recoil, and ``error_n``, an estimate of the largest error
-        of such a force, from two divisions of the tiles; None without recoil."""
+        of this force, from two divisions of the tiles; None without recoil."""
     )
     tiles: list[Load] = key("Load on each tile by all others.", Load)
-    sum: Load = key("Sum of all loads: zero but for round-off.", Load)
-    order: LayingOrder | None = key("Loads in an order of laying, if asked for.", LayingOrder)
+    sum: Load = key("Sum of all loads, zero up to round-off.", Load)
+    order: LayingOrder | None = key("Loads in a placement order, if requested.", LayingOrder)
 
     _rows = "tiles"
 
@@ -102,7 +102,7 @@ def steps_of(order: str | Sequence[str], names: list[str]) -> list[int]:
         raise ValueError(f'order: {shown!r}, must be "given", "least" or the names of all tiles')
     twice = next((name for step, name in enumerate(laid) if name in laid[:step]), None)
     if twice is not None:
-        raise ValueError(f"order: {twice!r} is laid twice")
+        raise ValueError(f"order: {twice!r} is placed twice")
     if len(laid) < len(names):
         raise ValueError(f"order: has {len(laid)} tiles, must have all {len(names)}")
     return [index[name] for name in laid]

@@ -1,4 +1,4 @@
-"""Tables, frames and pictures of HTML, which notebooks show."""
+"""HTML tables, frames and pictures for notebooks."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-#: Most rows of a table that a notebook shows.
+#: Largest number of rows of a table in a notebook.
 _MOST_ROWS = 30
 
 
@@ -23,7 +23,7 @@ def digits(value: Any) -> str:
 
 
 def number_table(rows: Iterable[tuple[str, Any]]) -> str:
-    """Names and numbers as a table of HTML."""
+    """Names and numbers as an HTML table."""
     cells = "".join(
         f"<tr><th style='text-align:left'>{escape(name.replace('_', ' '))}</th>"
         f"<td style='text-align:left'>{escape(digits(value))}</td></tr>"
@@ -33,7 +33,7 @@ def number_table(rows: Iterable[tuple[str, Any]]) -> str:
 
 
 def rows_table(columns: dict[str, Any]) -> str:
-    """Columns as a table of HTML, of which the first rows are shown."""
+    """The first rows of columns as an HTML table."""
     head = "".join(f"<th>{escape(name)}</th>" for name in columns)
     rows = list(zip(*columns.values(), strict=True))
     body = "".join(
@@ -45,7 +45,7 @@ def rows_table(columns: dict[str, Any]) -> str:
 
 
 def frame(page: str, height_px: int) -> str:
-    """Page in a frame of its own, whose scripts reach nothing outside it."""
+    """Page in its own frame, isolated from the document around it."""
     return (
         f'<iframe srcdoc="{escape(page)}" sandbox="allow-scripts" '
         f'style="width:100%;height:{height_px}px;border:1px solid #ccc"></iframe>'
@@ -53,6 +53,6 @@ def frame(page: str, height_px: int) -> str:
 
 
 def picture(svg: str) -> str:
-    """Picture that is as wide as the page, and at most as wide as it was drawn."""
+    """Picture as wide as the page, at most its drawn width."""
     data = base64.b64encode(svg.encode()).decode()
     return f'<img alt="" style="max-width:100%" src="data:image/svg+xml;base64,{data}">'

@@ -17,7 +17,7 @@ from magsplice._arrow import Column, Table, split
 Floats = NDArray[np.float64]
 Vector = tuple[float, float, float]
 
-#: Keys of a layout file that may be left out.
+#: Optional keys of a layout file.
 KEYS = (
     "description",
     "history",
@@ -48,16 +48,16 @@ class Tile(NamedTuple):
     polarization_t : (x, y, z)
         Polarization J = mu0 M in the tile's own frame, in tesla.
     rotation : (x, y, z, w), optional
-        Quaternion that takes the tile's own frame to the film's, a matrix of shape (3, 3) that does
-        so, or anything with ``as_quat()``, such as `scipy.spatial.transform.Rotation`. Default: not
-        rotated.
+        Rotation from the tile's own frame to the frame of the film: a quaternion, a matrix of shape
+        (3, 3), or any object with ``as_quat()``, such as `scipy.spatial.transform.Rotation`.
+        Default: none.
     name : str, optional
         Unique name. Default: ``tile-1``, ``tile-2``, ...
     kind : str, optional
-        Name of the kind that the layout file gave.
+        Name of the kind in the layout file.
     recoil_permeability : float or (along, across), optional
-        Relative recoil permeability: one number, or those along the polarization and across it.
-        Default: that of ``[material]``.
+        Relative recoil permeability: one number, or two numbers along the polarization and across
+        it. Default: the value of ``[material]``.
 
     Examples
     --------
@@ -89,7 +89,7 @@ class Tile(NamedTuple):
 
 
 def _numbers(values: ArrayLike) -> Any:
-    """Numbers as a layout file has them. Rules for their shape are those of the file."""
+    """Numbers in the form of a layout file. The rules of the file apply to their shape."""
     return np.asarray(values, dtype=float).tolist()
 
 
@@ -106,7 +106,7 @@ def _permeability(stated: float | Sequence[float] | None) -> Any:
         return float(numbers)
     if numbers.shape != (2,):
         raise ValueError(
-            f"recoil_permeability = {stated!r}, must be one number, or those along and across"
+            f"recoil_permeability = {stated!r}, must be one number, or one along and one across"
         )
     along, across = numbers.tolist()
     return {"along": along, "across": across}
@@ -121,7 +121,7 @@ class Tiles(Table):
     names : list[str]
         Names, unique within the film.
     kinds : list[str | None]
-        Names of kinds; None where the layout file names none.
+        Names of kinds; None for tiles without a kind.
     position_mm : ndarray
         Centres, in millimetres, shape (n, 3).
     size_mm : ndarray
@@ -129,10 +129,10 @@ class Tiles(Table):
     polarization_t : ndarray
         Polarizations J = mu0 M in the tiles' own frames, in tesla, shape (n, 3).
     rotation : ndarray
-        Quaternions (x, y, z, w) that take the tiles' frames to the film's, shape (n, 4).
+        Quaternions (x, y, z, w) from the tiles' frames to the frame of the film, shape (n, 4).
     recoil_permeability : ndarray
-        Relative recoil permeabilities of the tiles' own, along the polarization and across it,
-        shape (n, 2); NaN for tiles that have that of ``[material]``.
+        Tiles' own relative recoil permeabilities, along the polarization and across it, shape (n,
+        2); NaN for tiles with the value of ``[material]``.
     """
 
     names: list[str]
@@ -181,7 +181,7 @@ class Tiles(Table):
         """Columns name, kind, x_mm, ..., size_x_mm, ..., j_x_t, ..., q_x, q_y, q_z, q_w, ...
 
         The last two are recoil_permeability_along and recoil_permeability_across, NaN for tiles
-        that have that of ``[material]``. The kind of a tile without one is null.
+        with the value of ``[material]``. A missing kind is null.
         """
         permeabilities = ("recoil_permeability_along", "recoil_permeability_across")
         return {
@@ -199,8 +199,8 @@ class Tiles(Table):
 class Grid:
     """A regular grid of points.
 
-    Both ends are points; an axis with one point has it at the lower end. A tolerance costs much
-    less on a grid than at the same points in an array.
+    Both ends are points; an axis with one point has it at the lower end. Within a tolerance, a grid
+    takes much less time than the same points in an array.
 
     Parameters
     ----------
@@ -259,8 +259,8 @@ class Grid:
 class Ideal:
     """The ideal, sinusoidally magnetized film of Dai 2024, Eqs. 1 and 2.
 
-    Its polarization is amplitude_t (sin kx, sin ky, 0) for 0 <= z <= thickness_mm, without end
-    along x and y, with k = 2 pi / wavelength_mm.
+    Its polarization is amplitude_t (sin kx, sin ky, 0) for 0 <= z <= thickness_mm, infinite along x
+    and y, with k = 2 pi / wavelength_mm.
 
     Attributes
     ----------
@@ -324,7 +324,7 @@ def table_of(part: Any) -> Any:
 
 
 def three_of(value: float | Sequence[float] | None) -> Vector | None:
-    """Three numbers, or one number for all axes; None without."""
+    """Three numbers, or one number for all axes; None if not given."""
     if value is None:
         return None
     x, y, z = np.broadcast_to(np.asarray(value, dtype=float), 3).tolist()

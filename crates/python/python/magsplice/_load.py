@@ -16,19 +16,19 @@ from magsplice._magpylib.cuboids import MILLI, Track, cuboids_of, shifted
 
 
 def load(path: str | os.PathLike[str]) -> Film:
-    """Film in a layout file.
+    """Film from a layout file.
 
     Parameters
     ----------
     path : str or path
-        TOML file, as docs/layout-format.md describes it and ``magsplice init`` writes it.
+        TOML file in the format of docs/layout-format.md, as written by ``magsplice init``.
 
     Raises
     ------
     OSError
         If the file cannot be read, such as `FileNotFoundError`.
     LayoutError
-        If it is no layout. All broken rules are in ``error.faults``.
+        If the file is no layout. All broken rules are in ``error.faults``.
 
     Examples
     --------
@@ -41,7 +41,7 @@ def load(path: str | os.PathLike[str]) -> Film:
 def loads(
     text: str, *, origin: str = "layout", folder: str | os.PathLike[str] | None = None
 ) -> Film:
-    """Film in the text of a layout file.
+    """Film from the text of a layout file.
 
     Parameters
     ----------
@@ -50,7 +50,8 @@ def loads(
     origin : str
         Name of the text in error messages.
     folder : str or path, optional
-        Folder of files that the text names, such as measured errors. Default: the working folder.
+        Folder of files referenced by the text, such as measured errors. Default: the working
+        folder.
 
     Raises
     ------
@@ -78,9 +79,9 @@ def splice(
     starts: int = 8,
     seed: int = 1,
 ) -> Film:
-    """Film to begin a design with, from a few numbers: the pattern of Dai 2024, Fig. 5.
+    """Start film of a design, from a few numbers: the pattern of Dai 2024, Fig. 5.
 
-    ``splice(10, (20, 20)).design()`` then searches, as ``magsplice splice`` does.
+    ``splice(10, (20, 20)).design()`` then searches, like ``magsplice splice``.
 
     Parameters
     ----------
@@ -95,28 +96,29 @@ def splice(
     range_mm : (float, float), optional
         Extent of the working volume along x and y. Default: 0.4 wavelengths.
     distance_mm : (float, float), optional
-        Least and largest distance of the sensor below the film. Default: 0.3 and 0.5 wavelengths.
+        Smallest and largest distance of the sensor below the film. Default: 0.3 and 0.5
+        wavelengths.
     smallest_cut_mm : float, optional
         Shortest side of a tile. Default: 0.08 wavelengths.
     gap_mm : float
-        Least distance of neighbouring tiles.
+        Smallest distance of neighbouring tiles.
     resolution_mm, resolution_deg : float
-        Sizes and directions are rounded to multiples of these.
+        Units of rounding of sizes and directions.
     least_amplitude : float
-        Least best-fit amplitude against the ideal film.
+        Smallest best-fit amplitude against the ideal film.
     parts : int, optional
         Largest number of distinct parts.
     goal : {"displacement", "uniformity", "field"}
-        Error that the design minimizes.
+        Error to minimize.
     starts, seed : int
-        Number of starts of the search, and the seed of the random numbers that vary them.
+        Number of starts of the search, and the seed of their random variations.
 
     Raises
     ------
     ValueError
         If `starts` is below 1 or `seed` below 0.
     MagspliceError
-        If other numbers are out of range; the message has all of them.
+        If other numbers are out of range; the message lists all of them.
     """
     starts, seed = whole("starts", starts, 1), whole("seed", seed, 0)
     text = _magsplice.splice(
@@ -140,7 +142,7 @@ def splice(
 
 
 def from_magpylib(sources: Any, *, name: str | None = None, **tables: Any) -> Film:
-    """Film of the cuboids of a magpylib collection.
+    """Film from the cuboids of a magpylib collection.
 
     Parameters
     ----------
@@ -154,7 +156,7 @@ def from_magpylib(sources: Any, *, name: str | None = None, **tables: Any) -> Fi
     Returns
     -------
     Film
-        In millimetres. The decimal point moves, so that lengths of up to 15 digits keep them all.
+        In millimetres. Only the decimal point moves, so lengths of up to 15 digits keep all digits.
 
     Raises
     ------
@@ -173,7 +175,7 @@ def from_magpylib(sources: Any, *, name: str | None = None, **tables: Any) -> Fi
         track = Track(cuboid)
         if track.length > 1:
             raise ValueError(
-                f"{cuboid!r} has a path of {track.length} steps: a film does not move; give a copy "
+                f"{cuboid!r} has a path of {track.length} steps, but a film is fixed; give a copy "
                 "with one position"
             )
         quaternion = track.rotation[0]
@@ -183,7 +185,7 @@ def from_magpylib(sources: Any, *, name: str | None = None, **tables: Any) -> Fi
                 shifted(track.size[0], MILLI),
                 track.polarization_t[0].tolist(),
                 None if np.array_equal(quaternion, (0, 0, 0, 1)) else quaternion,
-                # A label that several cuboids share names none of them.
+                # A label shared by several cuboids is not a name.
                 label if label and labels.count(label) == 1 else None,
             )
         )

@@ -1,4 +1,4 @@
-"""Types of the extension module. The package re-exports what people use."""
+"""Types of the extension module. The package re-exports the public part."""
 
 import os
 from collections.abc import Callable

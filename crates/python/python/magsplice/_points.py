@@ -1,4 +1,4 @@
-"""Points of calls, and the shapes of what is found there."""
+"""Points of calls, and the shapes of results at points."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from magsplice._layout import Floats, Grid
 def tolerance_of(within: float | None, within_t: float | None) -> tuple[bool, float] | None:
     """Whether a tolerance is a fraction, and its value; None without one."""
     if within is not None and within_t is not None:
-        raise ValueError("within and within_t are both given: give one of them")
+        raise ValueError("within and within_t are both given; give one of them")
     if within is not None:
         return (True, float(within))
     return None if within_t is None else (False, float(within_t))
@@ -32,7 +32,7 @@ def flattened(points: ArrayLike | Grid) -> tuple[Floats, tuple[int, ...]]:
 
 
 def shaped(values: Mapping[str, Any], shape: tuple[int, ...]) -> dict[str, Any]:
-    """Values, whose arrays have rows for points of this leading shape."""
+    """Values whose arrays of rows get the leading shape of the points."""
     arrays = {name: of for name, of in values.items() if isinstance(of, np.ndarray)}
     return {**values, **{name: of.reshape(shape + of.shape[1:]) for name, of in arrays.items()}}
 

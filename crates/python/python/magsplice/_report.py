@@ -14,9 +14,9 @@ if TYPE_CHECKING:
 
 #: Height of the view of the tiles, in pixels.
 VIEW_PX = 720
-#: Most tiles with which a notebook shows the view that can be turned, which it keeps in its file.
+#: Largest number of tiles for a rotatable view in a notebook, which is stored in its file.
 _MOST_TILES_IN_VIEW = 2000
-#: Style that hides all of a report but the view of the tiles.
+#: Style that hides a report except the view of the tiles.
 _ONLY_VIEW = "header, main > section:not(:first-child) { display: none }"
 
 
@@ -28,13 +28,13 @@ class Figure(NamedTuple):
     name : str
         Name of its files, without extension.
     caption : str
-        What the figure shows.
+        Description of the figure.
     svg : str
         The figure as SVG.
     png : bytes
         The figure as PNG, 300 dots per inch.
     csv : str
-        The numbers that the figure shows, with one header line.
+        The numbers of the figure, with one header line.
     """
 
     name: str
@@ -51,7 +51,7 @@ class Figure(NamedTuple):
 
 
 class Page:
-    """An HTML page that loads no other file. A notebook shows it in a frame.
+    """A self-contained HTML page. A notebook shows it in a frame.
 
     Attributes
     ----------
@@ -80,7 +80,7 @@ class Report(Page):
     figures : dict[str, Figure]
         Figures by name.
     absent : list[str]
-        What the report lacks, and why.
+        Missing parts of the report, and the reasons.
     """
 
     figures: dict[str, Figure]
@@ -99,7 +99,7 @@ class Report(Page):
         Parameters
         ----------
         folder : str or path
-            Folder, which is made if it is not there. Files of these names are replaced.
+            Folder, created if missing. Existing files of these names are replaced.
         """
         folder = Path(folder)
         folder.mkdir(parents=True, exist_ok=True)
@@ -113,7 +113,7 @@ class Report(Page):
 
 
 def film_html(film: _magsplice.Film, rows: list[tuple[str, Any]]) -> str:
-    """Numbers of a film, its findings, its picture, and for few tiles a view that can be turned."""
+    """Numbers of a film, its findings, its picture, and for few tiles a rotatable view."""
     rows = [("tiles", len(film)), ("sha256", film.sha256[:12]), *rows]
     rows += [("finding", finding) for finding in film.findings]
     view = ""

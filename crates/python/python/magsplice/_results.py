@@ -34,7 +34,7 @@ class PerParameter(tuple[T, ...]):
     s_z: T = _item(2, "Value of S_z.")
 
 
-#: Tuples that stand for dictionaries with these keys.
+#: Tuples that replace dictionaries with these keys.
 _TUPLES: dict[tuple[str, ...], Callable[[Any], Any]] = {
     ("x", "y", "z"): PerAxis,
     ("r_x", "r_y", "s_z"): PerParameter,
@@ -42,7 +42,7 @@ _TUPLES: dict[tuple[str, ...], Callable[[Any], Any]] = {
 
 
 def _value(found: Any, of: Callable[[Any], Any]) -> Any:
-    """Value of the library with its parts made by `of`: of a list, a dictionary or a tuple."""
+    """Value of the library with the parts of a list, dictionary or tuple converted by `of`."""
     if isinstance(found, list):
         return [_value(item, of) for item in found]
     if not isinstance(found, dict):
@@ -52,7 +52,7 @@ def _value(found: Any, of: Callable[[Any], Any]) -> Any:
 
 
 class _Key(property):
-    """Attribute of a result, which has the name of its key."""
+    """Attribute of a result with the name of its key."""
 
     def __init__(self, doc: str, of: Callable[[Any], Any]) -> None:
         super().__init__(lambda result: result.__dict__[self.name])
@@ -66,14 +66,14 @@ class _Key(property):
 def key(doc: str, of: Callable[[Any], Any] = dict) -> Any:
     """Attribute of a result with the value of the key of its name, or None without the key.
 
-    `of` makes the value of a dictionary, or those of a list of dictionaries. A name that is a
-    keyword of Python ends with an underscore, which the key has not.
+    `of` converts a dictionary, or each dictionary of a list. A name that is a Python keyword ends
+    with an underscore, which the key does not have.
     """
     return _Key(doc, of)
 
 
 class Result:
-    """A result. It does not change, and prints as lines of names and numbers."""
+    """An immutable result. It prints as lines of names and numbers."""
 
     def __init__(self, numbers: Mapping[str, Any], **more: Any) -> None:
         json = {name: value for name, value in numbers.items() if not isinstance(value, np.ndarray)}
@@ -117,7 +117,7 @@ class Result:
 
 
 def _lines(numbers: Mapping[str, Any], place: str = "") -> Iterator[tuple[str, Any]]:
-    """Names and numbers, those of inner dictionaries with the names of both."""
+    """Names and numbers. Numbers of inner dictionaries have both names."""
     for name, value in numbers.items():
         if isinstance(value, dict):
             inner = list(value.values())

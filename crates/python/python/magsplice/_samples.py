@@ -1,4 +1,4 @@
-"""Samples of films that are made, and their statistics."""
+"""Samples of real films, and their statistics."""
 
 from __future__ import annotations
 
@@ -22,27 +22,29 @@ Preset = Literal["by-hand", "workshop", "jig"]
 
 
 class SampledFilm(OfFilm, Figures[SampledFigure]):
-    """Statistics of films that are made from one layout."""
+    """Statistics of real films made from one layout."""
 
-    film: str = key("Hash of all that determines a sample besides the seed.")
+    film: str = key("Hash of all inputs of a sample except the seed.")
     seed: int = key("Seed of the samples.")
     first: int = key("Number of the first sample.")
     count: int = key("Number of samples.")
     yield_: Estimate | None = key("Share that keeps ``[expect]``; None without bounds.", Estimate)
-    yield_made: Estimate | None = key("The same of ``[expect.made]``.", Estimate)
+    yield_made: Estimate | None = key(
+        "Share that keeps ``[expect.made]``; None without bounds.", Estimate
+    )
 
 
 class Samples(Table):
-    """Errors of films that are made from one layout: one row for each film.
+    """Errors of real films made from one layout: one row for each film.
 
-    The percentiles tell what nineteen of twenty films keep: ``samples.displacement_mm("x").p95``.
+    Nineteen of twenty films keep the 95th percentile: ``samples.displacement_mm("x").p95``.
 
     Attributes
     ----------
     name : str
         Name of the film.
     preset : str | None
-        Errors that were assumed; None for those of the layout.
+        Assumed errors; None for the errors of the layout.
     first : int
         Number of the first sample.
     uniformity_rmse : ndarray
@@ -119,13 +121,13 @@ class Samples(Table):
 def statistics(values: ArrayLike) -> Statistics:
     """Mean and percentiles of an array of samples, with intervals of 95 %.
 
-    The interval of the mean is that of normal errors. Those of percentiles lie between order
-    statistics, whatever the distribution.
+    The interval of the mean assumes normal errors. Intervals of percentiles are order statistics,
+    valid for any distribution.
 
     Raises
     ------
     ValueError
-        Without samples.
+        If there are no samples.
     """
     numbers = _magsplice.statistics(np.ascontiguousarray(values, dtype=np.float64).ravel())
     if numbers is None:

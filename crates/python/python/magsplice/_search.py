@@ -1,4 +1,4 @@
-"""Numbers of searches for films."""
+"""Results of searches for films."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ class Metrics(Figures[float]):
 
     points: int = key("Number of points of the grid.")
     ideal_rmse: PerParameter[float] = key("RMSE of the parameters' changes against the ideal film.")
-    scaled_relative_rmse: float | None = key("RMSE of B against the scaled ideal B over it.")
+    scaled_relative_rmse: float | None = key("Relative RMSE of B against the scaled ideal B.")
 
 
 class MadeFilms(Result):
-    """Errors of films that are made from the film before a search and from the film found."""
+    """Errors of real films made from the film before a search and from the film found."""
 
     samples: int = key("Number of samples of each film.")
-    seed: int = key("Seed of the samples. Both films have the same errors.")
+    seed: int = key("Seed of the samples, the same for both films.")
     before: Figures[Statistics] = key("Errors of the film before the search.", Figures)
     after: Figures[Statistics] = key("Errors of the film found.", Figures)
 
@@ -27,4 +27,4 @@ class SearchStage(Result):
     """A stage of a search."""
 
     stage: str = key("Name of the stage.")
-    uniformity_rmse: PerParameter[float | None] = key("Uniformity RMSE over the volume at its end.")
+    uniformity_rmse: PerParameter[float | None] = key("Uniformity RMSE over the volume at the end.")

@@ -14,7 +14,7 @@ from magsplice._points import flattened
 from magsplice._results import key
 from magsplice._source import OfFilm
 
-#: What the numbers in `Readings.status` mean.
+#: Meanings of the numbers in `Readings.status`.
 STATUS = ("in the volume", "outside the volume", "ambiguous", "not found", "saturated")
 
 #: Names of the columns of arrays.
@@ -27,14 +27,14 @@ _COLUMNS = {
 
 
 class Readings(OfFilm, Table):
-    """What was found from readings of a sensor. NaN where a reading has no value."""
+    """Results from readings of a sensor. NaN where a reading has no value."""
 
     readings: int = key("Number of readings.")
     displacement_mm: Floats = key(
-        """Displacement of the sensor from the reference point, or from where it was at rest, in
-        millimetres, shape (..., 3). The film moves by the opposite."""
+        """Displacement of the sensor from the reference point, or from its position at rest, in
+        millimetres, shape (..., 3). The film moves in the opposite direction."""
     )
-    deviation_mm: Floats | None = key("Its deviations, shape (..., 3). None without noise.")
+    deviation_mm: Floats | None = key("Standard deviations, shape (..., 3). None without noise.")
     force_n: Floats | None = key("Force on the film, shape (..., 3). None without ``[elastomer]``.")
     closed_form_mm: Floats | None = key(
         """Displacement by the closed form of the ideal film (Dai 2024, Eq. 14), in millimetres,
@@ -45,11 +45,11 @@ class Readings(OfFilm, Table):
         saturated; shape (...)."""
     )
     messages: list[str] = key(
-        "Why a reading has no position in the volume; an empty text where it has one."
+        "The reason why a reading has no position in the volume; an empty text where it has one."
     )
 
     def columns(self) -> dict[str, Column]:
-        """Columns dx_mm, dy_mm, dz_mm, then those of the other arrays, and status."""
+        """Columns dx_mm, dy_mm, dz_mm, then columns of the other arrays, and status."""
         columns: dict[str, Column] = {}
         for name, components in _COLUMNS.items():
             array = getattr(self, name)
@@ -67,7 +67,7 @@ def at_rest(name: str, readings_t: ArrayLike) -> Floats:
     """Readings of a sensor at rest, at least one, of finite numbers."""
     flat, _ = flattened(readings_t)
     if not len(flat):
-        raise ValueError(f"{name} has no readings, must have one at least")
+        raise ValueError(f"{name} has no readings, must have at least one")
     if not np.isfinite(flat).all():
         raise ValueError(f"{name} has readings that are not finite numbers")
     return flat

@@ -1,4 +1,4 @@
-"""Where results are from: the layout, the accuracy of the field, and recoil."""
+"""The source of results: the layout, the accuracy of the field, and recoil."""
 
 from __future__ import annotations
 
@@ -17,21 +17,21 @@ class RecoilFigures(Result):
 
 
 class RecoilSummary(Result):
-    """What recoil changes in a film.
+    """The effect of recoil in a film.
 
-    Tiles are divided into cells, and the division is refined until B is known to the share of its
-    change that ``recoil_error`` of ``[material]`` states. docs/recoil.md describes it.
+    Tiles are divided into cells, and the division is refined until the error of B, as a share of
+    its change, is below ``recoil_error`` of ``[material]``. docs/recoil.md describes it.
     """
 
     cells: int = key("Number of cells.")
     level: int = key("Level of division.")
     change_t: float = key(
-        """Largest change of B by recoil, in tesla, at points of the working volume. Without one at
-        points of a box around all tiles, away from them by the shortest side of the tiles
-        together; nearer to them B changes more."""
+        """Largest change of B by recoil, in tesla, at points of the working volume. Without a
+        working volume, at points of a box around all tiles, at a distance of the shortest side of
+        all tiles together; nearer to the tiles B changes more."""
     )
     error_t: float = key("Estimate of the largest error of B at the same points, in tesla.")
-    figures: RecoilFigures | None = key("Figures, if they exist.", RecoilFigures)
+    figures: RecoilFigures | None = key("Figures, if defined.", RecoilFigures)
     largest_weakening: float = key("Largest lost fraction of the polarization of a tile.")
     largest_turn_deg: float = key("Largest turn of the mean polarization of a tile, in degrees.")
 
@@ -49,4 +49,4 @@ class OfFilm(OfLayout):
 
     tiles: int = key("Number of tiles.")
     accuracy: Any = key("``exact``, or the tolerance of the field.")
-    recoil: RecoilSummary | None = key("What recoil changes; None without it.", RecoilSummary)
+    recoil: RecoilSummary | None = key("The effect of recoil; None without recoil.", RecoilSummary)

@@ -1,4 +1,4 @@
-"""Dictionaries as TOML. The library reads the text, with all rules for layout files."""
+"""Dictionaries as TOML, for the library to read with all rules of layout files."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ import numpy as np
 
 from magsplice.errors import LayoutError
 
-#: A control character that JSON does not escape and TOML does not allow.
+#: A control character that JSON does not escape and TOML forbids.
 _DELETE = "\x7f"
 
 
 def text_of(layout: Mapping[str, Any]) -> str:
-    """Layout as TOML: one line for each key, tables inline, keys with the value None left out."""
+    """Layout as TOML: one line for each key, tables inline, keys with the value None omitted."""
     lines = [
         f"{_key(key)} = {_value(value, key)}\n"
         for key, value in layout.items()

@@ -1,4 +1,4 @@
-"""Exceptions of magsplice. Their messages are those of the program and the Rust library."""
+"""Exceptions of magsplice, with the messages of the program and the Rust library."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ __all__ = ["LayoutError", "LayoutFault", "MagspliceError", "PointFault", "Points
 
 
 class MagspliceError(Exception):
-    """A film that cannot be evaluated, sampled, designed or drawn. The message says why."""
+    """A film that cannot be evaluated, sampled, designed or drawn. The message has the reason."""
 
 
 class LayoutFault(NamedTuple):
@@ -19,7 +19,7 @@ class LayoutFault(NamedTuple):
     Attributes
     ----------
     line : int | None
-        Line of the text, the first is 1, where the rule belongs to one.
+        Line of the text, from 1, if the rule belongs to a line.
     place : str
         Table or tile, such as ``tile "rim-3"``.
     message : str
@@ -59,11 +59,11 @@ class PointFault:
     Attributes
     ----------
     index : int
-        Index of the point, after the leading axes of the points are flattened.
+        Index of the point, with the leading axes of the points flattened.
     point : tuple[float, float, float]
         The point, in the unit of length of the call.
     tile : int | None
-        Index of a tile on whose edge the point lies, where that is the reason.
+        Index of a tile with the point on its edge, if this is the reason.
     message : str
         The reason.
     """
@@ -78,8 +78,8 @@ class PointsError(MagspliceError, ValueError):
     """Points without a field.
 
     On an exposed edge that is not parallel to the polarization B is unbounded. Coordinates must be
-    finite. A tolerance may be too small for the exact field. The argument ``invalid="nan"`` gives
-    NaN at such points instead of this exception.
+    finite. A tolerance may be too small for the exact field. With the argument ``invalid="nan"``
+    the result is NaN at such points, without this exception.
 
     Attributes
     ----------

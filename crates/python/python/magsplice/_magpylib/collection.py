@@ -9,7 +9,7 @@ from magsplice._magpylib.cuboids import MILLI, imported, shifted
 
 
 def to_magpylib(film: _magsplice.Film) -> Any:
-    """Film as a `magpylib.Collection` of cuboids, whose labels are the names of their tiles."""
+    """Film as a `magpylib.Collection` of cuboids with the names of their tiles as labels."""
     magpylib = imported()
     from scipy.spatial.transform import Rotation
 

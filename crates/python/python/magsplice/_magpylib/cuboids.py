@@ -15,7 +15,7 @@ MILLI = 3
 
 
 def imported() -> Any:
-    """Package magpylib, which need not be installed."""
+    """The optional package magpylib."""
     try:
         import magpylib
     except ImportError as error:
@@ -26,7 +26,7 @@ def imported() -> Any:
 
 
 def shifted(values: Floats, places: int) -> list[float]:
-    """Numbers whose decimal point is moved, digit by digit."""
+    """Numbers with a moved decimal point, exact in every digit."""
     return [float(Decimal(repr(float(value))).scaleb(places)) for value in values]
 
 
@@ -36,7 +36,7 @@ class Track:
     def __init__(self, cuboid: Any) -> None:
         for key in ("dimension", "polarization"):
             if getattr(cuboid, key) is None:
-                raise ValueError(f"{cuboid!r} has no {key}: set it before its field is computed")
+                raise ValueError(f"{cuboid!r} has no {key}: set it before computing its field")
         self.position = np.atleast_2d(cuboid.position)
         self.size = np.abs(np.atleast_2d(cuboid.dimension))
         self.polarization_t = np.atleast_2d(cuboid.polarization)
@@ -57,7 +57,7 @@ class Track:
 
 
 def cuboids_of(entry: Any) -> Iterator[Any]:
-    """Cuboids of an entry of the sources."""
+    """Cuboids of a source entry."""
     magpylib = imported()
     found = entry.sources_all if isinstance(entry, magpylib.Collection) else [entry]
     if not found:

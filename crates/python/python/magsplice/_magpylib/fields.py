@@ -24,7 +24,7 @@ R = TypeVar("R")
 
 
 class _Source:
-    """One entry of the sources: cuboids whose fields are added."""
+    """A source entry: cuboids whose fields are added."""
 
     def __init__(self, entry: Any) -> None:
         self.film = entry if isinstance(entry, _magsplice.Film) else None
@@ -120,7 +120,7 @@ def _of_cuboids(
     points: Floats,
     within: float | None,
 ) -> Floats:
-    """Field of cuboids in which B of a cuboid counts 0 on its own edges."""
+    """Field of cuboids, with B = 0 of each cuboid on its own edges."""
     tolerance = None if within is None else (True, float(within))
     points = np.ascontiguousarray(points)
     field, error = _magsplice.Scene(*arrays).field(quantity, points, tolerance)
@@ -141,7 +141,7 @@ def _of_cuboids(
 
 
 def _minus_magnetization(polarization_t: Floats, rotation: Floats) -> Floats:
-    """H where B is 0, in ampere per metre: on an edge, which counts as inside."""
+    """H where B counts as 0, in ampere per metre: on an edge, which counts as inside."""
     from scipy.constants import mu_0
     from scipy.spatial.transform import Rotation
 
@@ -185,8 +185,8 @@ getB = _of_quantity(
     "getB",
     """Flux density in tesla of cuboids of magpylib, in place of ``magpylib.getB``.
 
-Takes what ``magpylib.getB`` takes and returns what it returns, in its units and shapes, exact
-to 2e-14 of the sum over cuboids. Films of magsplice may stand among the sources.
+It has the arguments, results, units and shapes of ``magpylib.getB``, exact to 2e-14 of the sum over
+cuboids. Sources may include films of magsplice.
 
 Parameters
 ----------
@@ -195,15 +195,15 @@ sources : Cuboid, Collection, Film, or list of these
 observers : Sensor, Collection, list of these, or array_like of shape (o1, o2, ..., 3)
     Sensors, or positions in metres.
 sumup : bool
-    Whether the fields of all sources are added.
+    Whether to add the fields of all sources.
 squeeze : bool
-    Whether axes of length 1 are removed.
+    Whether to remove axes of length 1.
 pixel_agg : str, optional
-    Name of a function of NumPy, such as ``"mean"``, that joins the pixels of each sensor.
+    Name of a NumPy function, such as ``"mean"``, that combines the pixels of each sensor.
 output : {"ndarray", "dataframe"}
     Kind of result.
 in_out : str
-    Accepted as magpylib accepts it, and without effect for cuboids.
+    Accepted as in magpylib, without effect for cuboids.
 within : float, optional
     Accepted length of the error as a fraction of |B|. Default: exact.
 
@@ -220,11 +220,9 @@ ValueError
     If a cuboid has no dimension or polarization, or sensors have different pixels without
     `pixel_agg`.
 
-Notes
------
-On an edge of a cuboid that is not parallel to J, B is unbounded. magpylib counts 0 for this
-cuboid there, and so does this function; `Film.b` raises `PointsError`. magpylib counts 0 on
-edges parallel to J, too, where this function gives B. On a face B is that of the side of larger
+Notes ----- On an edge of a cuboid that is not parallel to J, B is unbounded. magpylib and this
+function count 0 for this cuboid there; `Film.b` raises `PointsError`. On edges parallel to J,
+magpylib also counts 0, and this function gives B. On a face B is the limit from the side of larger
 x, y or z.
 """,
 )
@@ -235,6 +233,6 @@ getH = _of_quantity(
     "getH",
     """Field strength in ampere per metre of cuboids of magpylib, in place of ``magpylib.getH``.
 
-See `getB`, whose arguments it has.
+It has the arguments of `getB`.
 """,
 )

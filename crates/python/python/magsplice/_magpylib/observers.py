@@ -1,4 +1,4 @@
-"""Sensors and positions at which magpylib evaluates a field."""
+"""Sensors and positions of magpylib."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from magsplice._magpylib.cuboids import imported, label_of
 
 
 class Sensor:
-    """Pixels along a path, in the frame in which the field is given."""
+    """Pixels along a path, and the frame of their field."""
 
     def __init__(self, pixels: Floats, sensor: Any = None) -> None:
         self.shape = pixels.shape[:-1] or (1,)

@@ -18,7 +18,7 @@ _CURVE_POINTS = 161
 
 
 def parameters(film: Film, ax: Axes | None = None) -> Axes:
-    """Change of R_x, R_y, S_z along their own axes, beside that of the ideal film.
+    """Change of R_x, R_y, S_z along their own axes, compared with the ideal film.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ def parameters(film: Film, ax: Axes | None = None) -> Axes:
 def samples(
     made: Samples, axis: Literal["x", "y", "z"] = "x", ax: Axes | None = None, *, bins: int = 50
 ) -> Axes:
-    """Histogram of the displacement RMSE of films that are made, with the 95th percentile.
+    """Histogram of the displacement RMSE of real films, with the 95th percentile.
 
     Parameters
     ----------
@@ -82,5 +82,5 @@ def front(found: Front, ax: Axes | None = None) -> Axes:
     ax = axes_or_new(ax)
     columns = found.columns()
     ax.semilogy(columns["amplitude"], columns["error"], "o-")
-    ax.set(xlabel="best-fit amplitude", ylabel="error that is minimized")
+    ax.set(xlabel="best-fit amplitude", ylabel="minimized error")
     return ax

@@ -36,7 +36,7 @@ def field_map(
     film : Film
         A film with a working volume.
     component : {"bx", "by", "bz", "magnitude"}
-        What the map shows.
+        The mapped quantity.
     z_mm : float, optional
         Height of the plane. Default: the lowest of the volume.
     of : {"film", "ideal", "difference"}
@@ -145,7 +145,7 @@ def resolution_map(
     noise_t: float | None = None,
     **options: Any,
 ) -> Axes:
-    """Map of the standard deviation of the position that one reading gives, in millimetres.
+    """Map of the standard deviation of the position from one reading, in millimetres.
 
     Parameters
     ----------
@@ -154,7 +154,7 @@ def resolution_map(
     axis : {"x", "y", "z"}
         Axis of the position.
     noise_t : float, optional
-        Standard deviation of a reading, in tesla. Default: that of ``[sensor]``.
+        Standard deviation of a reading, in tesla. Default: the noise of ``[sensor]``.
     z_mm, **options
         See `field_map`.
     """

@@ -23,7 +23,7 @@ def layout(film: Film, ax: Axes | None = None, *, names: bool = False) -> Axes:
     film : Film
         The film.
     names : bool
-        Whether tiles have their names.
+        Whether to print the names of tiles.
     """
     ax = axes_or_new(ax)
     from matplotlib import colormaps
@@ -58,7 +58,7 @@ def layout(film: Film, ax: Axes | None = None, *, names: bool = False) -> Axes:
 def recoil(
     film: Film, quantity: Literal["weakening", "turn"] = "weakening", ax: Axes | None = None
 ) -> Axes:
-    """Tiles from above, coloured by how far recoil weakens or turns them.
+    """Tiles from above, coloured by their weakening or turn by recoil.
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ def recoil(
     found = film.recoil
     if found is None:
         raise MagspliceError(
-            "no tile has a recoil permeability, which this figure needs: state one, such as "
+            "no tile has a recoil permeability, which this figure needs: give one, such as "
             'film.replace(material={"recoil_permeability": 1.05})'
         )
     ax = axes_or_new(ax)
