@@ -1,12 +1,12 @@
-"""Times magsplice beside magpylib on the published film, on one thread, and prints the ratios.
+"""Times magsplice and magpylib on the published film, on one thread, and prints the ratios.
 
 Run with the package and magpylib installed::
 
     python crates/python/benches/beside_magpylib.py
 
-Both get the same points in metres or millimetres and one thread. Times are processor times, so that
-other programs change them little. The least of several runs counts. The core function of magpylib
-is called for one tile after the other, its fastest way.
+Both get the same points in metres or millimetres and one thread. Times are processor times, which
+other programs hardly affect. The smallest time of several runs counts. The core function of
+magpylib is called for one tile after the other, the fastest way.
 """
 
 from __future__ import annotations
@@ -32,16 +32,16 @@ FILM = Path(__file__).parents[3] / "layouts" / "published-film.toml"
 FINE = (81, 81, 41)
 #: Tolerance of the fields on the grid, as a fraction of |B|.
 WITHIN = 1e-9
-#: Turns, in each of which all calls run.
+#: Number of turns. All calls run in each turn.
 TURNS = 7
-#: Runs in each turn of calls that take milliseconds.
+#: Number of runs in each turn, for calls that take milliseconds.
 IN_A_ROW = 20
 
 
 def least_times(
     calls: dict[str, Callable[[], object]], turns: int, in_a_row: int = 1
 ) -> dict[str, float]:
-    """Least time of each call in seconds, of so many runs in each turn."""
+    """Smallest time of each call in seconds, over the runs of all turns."""
     least = dict.fromkeys(calls, float("inf"))
     for _ in range(turns):
         for name, call in calls.items():
@@ -80,7 +80,7 @@ def main() -> None:
     assert grid is not None
     points = grid.points_mm.reshape(-1, 3)
     metres = points / 1000
-    # Many points at a time, so that neither is measured by the cost of a call.
+    # Many points at a time, so the overhead of a call is negligible.
     many = magsplice.Grid(grid.lower_mm, grid.upper_mm, (41, 41, 11))
     many_points = many.points_mm.reshape(-1, 3)
     exact = least_times(
@@ -97,7 +97,7 @@ def main() -> None:
         IN_A_ROW,
     )
     fine = magsplice.Grid(grid.lower_mm, grid.upper_mm, FINE)
-    # The time of getB is proportional to the number of points, so a part of them tells it.
+    # The time of getB is proportional to the number of points, so a part of them is enough.
     part = fine.points_mm.reshape(-1, 3)[:: len(fine) // 20_000] / 1000
     on_grid = least_times(
         {

@@ -1,4 +1,4 @@
-//! Which measured tile goes to which place of a film.
+//! The assignment of measured tiles to places of a film.
 
 use magsplice::layout::Layout;
 use magsplice::making::{
@@ -23,7 +23,7 @@ type Measured = (String, Option<String>, Option<[f64; 3]>, Vec<f64>);
 type Lying = (String, String, Option<[f64; 3]>, String, f64);
 
 /// The tiles of a box at the places of a film, with the layout of the film as TOML. `errors` are
-/// those of strength, direction in degrees and sides in millimetres.
+/// the errors of strength, direction in degrees and sides in millimetres.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "Python passes them by name")]
 pub(crate) fn assign<'py>(
@@ -63,7 +63,7 @@ fn added(tiles: &mut MeasuredBox, (name, part, size_mm, j_t): &Measured) -> Resu
     tiles.add(&MeasuredTile { name, part: part.as_deref(), size_mm: size_mm.map(DVec3::from), magnet })
 }
 
-/// The indices of the shims, whose places are taken out of the groups.
+/// The indices of the shims. Their places are removed from the groups.
 fn taken_out(layout: &Layout, shims: &[String], groups: &mut [PlaceGroup]) -> PyResult<Vec<usize>> {
     let mut found: Vec<usize> = Vec::new();
     refused(

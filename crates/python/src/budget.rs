@@ -1,4 +1,4 @@
-//! Where the displacement error of films that are made comes from.
+//! The displacement error of real films, divided by its causes.
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -6,7 +6,7 @@ use pyo3::types::PyDict;
 use crate::film::{Film, run};
 use crate::results::dictionary;
 
-/// The budget of the errors that the layout states, or of those of a preset.
+/// The budget of the errors of the layout or of a preset.
 #[pyfunction]
 pub(crate) fn budget<'py>(
     py: Python<'py>,

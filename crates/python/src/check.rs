@@ -15,7 +15,7 @@ use crate::film::Film;
 use crate::results::dictionary;
 use crate::vectors::vectors;
 
-/// A baseline, or why it cannot be read.
+/// A baseline, or the reason why it cannot be read.
 #[derive(FromPyObject)]
 pub(crate) enum Held<'py> {
     /// The fault.
@@ -49,7 +49,7 @@ pub(crate) fn check<'py>(py: Python<'py>, film: &Film, baseline: Option<Held<'py
         };
         CheckedExpectation::new(expectation, outcome, layout, Duration::ZERO)
     };
-    // Where a film has no estimate, its figures say so.
+    // A film without an estimate has no figures.
     checked.recoil_estimates = estimates.unwrap_or_default();
     dictionary(py, &checked.with_expectations(outcomes.into_iter().map(outcome).collect()))
 }

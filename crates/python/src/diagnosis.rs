@@ -1,4 +1,4 @@
-//! Which tiles of a film that was made are faulty.
+//! Faulty tiles of a real film.
 
 use magsplice::magnet::TileError;
 use magsplice::scan::FreeParameters;
@@ -10,8 +10,8 @@ use crate::film::{Film, run};
 use crate::results::{WithArrays, with_arrays};
 use crate::vectors::{numbers, vectors};
 
-/// The errors of tiles that a scan tells, with those of each tile by their keys. `fit` has what is
-/// fitted of the scan.
+/// The diagnosis of a scan, with the errors of each tile by their keys. `fit` lists the parameters
+/// of the scan to fit.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "Python passes them by name")]
 pub(crate) fn diagnose<'py>(

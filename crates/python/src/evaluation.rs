@@ -56,8 +56,7 @@ pub(crate) fn decouple<'py>(
     }
 }
 
-/// A result with B, the parameters and the displacements that they give; NaN where they do not
-/// exist.
+/// A result with B, the parameters and their displacements; NaN where they do not exist.
 fn decoupled<'py, 'a>(
     py: Python<'py>,
     film: &Film,

@@ -15,7 +15,7 @@ mod python {
     pyo3::import_exception!(magsplice.errors, PointsError);
 }
 
-/// An error of a layout: `LayoutError` with its faults, or that of the operating system.
+/// An error of a layout: `LayoutError` with its faults, or the error of the operating system.
 pub(crate) fn of_layout(error: LayoutError) -> PyErr {
     let message = error.to_string();
     match error {
@@ -55,13 +55,13 @@ pub(crate) fn failed(error: impl std::fmt::Display) -> PyErr {
     MagspliceError::new_err(error.to_string())
 }
 
-/// The value that a word stands for in a layout file.
+/// The value of a word of a layout file.
 pub(crate) fn one_of<'a, T: Deserialize<'a>>(name: &str, word: &'a str, known: &str) -> PyResult<T> {
     let value = T::deserialize(BorrowedStrDeserializer::<Error>::new(word));
     value.map_err(|_| bad_value(format_args!("{name} = {word:?}, must be {known}")))
 }
 
-/// A value that an argument may not have.
+/// An invalid value of an argument.
 pub(crate) fn bad_value(error: impl std::fmt::Display) -> PyErr {
     PyValueError::new_err(error.to_string())
 }

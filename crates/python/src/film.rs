@@ -21,10 +21,10 @@ use crate::vectors::{Triple, rows, rows_of, vectors};
 #[pyclass(frozen, subclass, module = "magsplice._magsplice")]
 pub(crate) struct Film {
     pub(crate) layout: Arc<Layout>,
-    /// Text, name of the text, and folder of files that it names: a copy of the film has the same.
+    /// Text, name of the text, and folder of its files, for copies of the film.
     #[pyo3(get, name = "_source")]
     pub(crate) source: (String, String, Option<String>),
-    /// What the first evaluation prepared for all others.
+    /// The film prepared by the first evaluation.
     prepared: PyOnceLock<magsplice::Film>,
     scene: PyOnceLock<Py<Scene>>,
 }
@@ -53,7 +53,7 @@ pub(crate) fn layout_text(path: PathBuf) -> PyResult<String> {
 
 #[pymethods]
 impl Film {
-    /// The film in the text of a layout file. Paths in it are relative to `folder`.
+    /// The film from the text of a layout file. Its paths are relative to `folder`.
     #[new]
     #[pyo3(signature = (text, origin, folder=None))]
     fn new(py: Python<'_>, text: String, origin: String, folder: Option<PathBuf>) -> PyResult<Film> {
@@ -79,13 +79,13 @@ impl Film {
         &self.layout.name
     }
 
-    /// Text of the author about the layout.
+    /// The author's description of the layout.
     #[getter]
     fn description(&self) -> Option<&str> {
         self.layout.description.as_deref()
     }
 
-    /// Steps that led to the layout, one text each.
+    /// Steps in the history of the layout, one text each.
     #[getter]
     fn history(&self) -> Vec<String> {
         self.layout.history.clone()
@@ -97,18 +97,18 @@ impl Film {
         &self.layout.sha256
     }
 
-    /// Properties that are allowed but usually a mistake, one sentence each.
+    /// Allowed properties that are usually a mistake, one sentence each.
     #[getter]
     fn findings(&self) -> Vec<String> {
         self.layout.findings.iter().map(ToString::to_string).collect()
     }
 
-    /// Layout as TOML, which the program and `loads` read.
+    /// Layout as TOML, for the program and `loads`.
     ///
     /// Parameters
     /// ----------
     /// compact : bool
-    ///     Whether tiles that are mirror images of others are left out. Otherwise there is one
+    ///     Whether to omit tiles that are mirror images of others. Otherwise there is one
     ///     ``[[tile]]`` for each tile.
     #[pyo3(signature = (*, compact=true))]
     fn to_toml(&self, compact: bool) -> String {
@@ -137,7 +137,7 @@ impl Film {
         })
     }
 
-    /// Number of samples and seed of the films that are made.
+    /// Number of samples and seed of real films.
     #[getter]
     fn _sampling(&self) -> (u64, u64) {
         let default = FilmTolerance::default();
@@ -145,7 +145,7 @@ impl Film {
         (tolerance.samples, tolerance.seed)
     }
 
-    /// File of the baseline that the layout names, relative to the layout.
+    /// File of the layout's baseline, relative to the layout.
     #[getter]
     fn _baseline_file(&self) -> Option<PathBuf> {
         self.layout.expectations.field.as_ref().map(|field| field.file.clone())
@@ -157,7 +157,7 @@ impl Film {
     }
 
     /// The tiles as arrays; rotations are quaternions (x, y, z, w). Permeabilities are along and
-    /// across the polarization, NaN for tiles that have that of the material.
+    /// across the polarization, NaN for tiles with the permeability of the material.
     fn _tiles<'py>(&self, py: Python<'py>) -> PyResult<Tiles<'py>> {
         let tiles = &self.layout.tiles;
         let names = tiles.iter().map(|named| named.name.clone()).collect();
@@ -211,7 +211,7 @@ fn cuboids<'py>(py: Python<'py>, tiles: &[Tile]) -> PyResult<[Rows<'py>; 4]> {
 }
 
 impl Film {
-    /// The film, to be evaluated.
+    /// The prepared film.
     pub(crate) fn evaluated(&self, py: Python<'_>) -> PyResult<&magsplice::Film> {
         self.prepared.get_or_try_init(py, || {
             let interruption = Arc::new(Interruption::default());
@@ -229,13 +229,13 @@ impl Film {
         run(py, self.evaluated(py)?.clone(), work)
     }
 
-    /// A film with the tiles and the material of this one, and other tables.
+    /// A film with the tiles and the material of this film, and other tables.
     pub(crate) fn with_tables(&self, py: Python<'_>, layout: Layout) -> PyResult<magsplice::Film> {
         let recoil = self.evaluated(py)?.recoil().cloned();
         Ok(py.detach(|| magsplice::Film::with_recoil(layout, recoil)))
     }
 
-    /// The layout with the errors of a preset instead of those it states. Samples and seed stay.
+    /// The layout with the errors of a preset instead of its own. Samples and seed are unchanged.
     pub(crate) fn layout_with_errors(&self, preset: Option<&str>) -> PyResult<Layout> {
         let mut layout = Layout::clone(&self.layout);
         let errors = match preset {

@@ -1,4 +1,4 @@
-//! Forces of tiles on each other, and orders of laying.
+//! Forces of tiles on each other, and placement orders.
 
 use magsplice::results::OrderChoice;
 use pyo3::prelude::*;
@@ -7,7 +7,7 @@ use pyo3::types::PyDict;
 use crate::film::Film;
 use crate::results::dictionary;
 
-/// An order of laying.
+/// A placement order.
 #[derive(FromPyObject)]
 pub(crate) enum Order {
     /// `given`, or `least`.
@@ -16,8 +16,8 @@ pub(crate) enum Order {
     Tiles(Vec<usize>),
 }
 
-/// The forces of the tiles on each other, and while they are laid in an order. `seed` is that of
-/// the search for the order with the least holding.
+/// The forces of the tiles on each other, and during their placement in an order. `seed` is the
+/// seed of the search for the order with the smallest holding force.
 #[pyfunction]
 pub(crate) fn forces<'py>(
     py: Python<'py>,

@@ -13,13 +13,13 @@ use pyo3::prelude::*;
 const POLL: Duration = Duration::from_millis(50);
 
 /// Work that a signal ends. Progress callbacks of the work call [`Interruption::poll`], or return
-/// what [`Interruption::has_begun`] says.
+/// [`Interruption::has_begun`].
 #[derive(Default)]
 pub(crate) struct Interruption {
     stop: AtomicBool,
 }
 
-/// What unwinds work that is interrupted.
+/// The payload that unwinds interrupted work.
 struct Interrupted;
 
 impl Progress for Interruption {
@@ -37,12 +37,12 @@ impl Interruption {
     /// Ends the work by unwinding if a signal has arrived. It is called by any thread of the work.
     pub(crate) fn poll(&self) {
         if self.has_begun() {
-            // No message, as a panic would print.
+            // Unlike a panic, this prints no message.
             resume_unwind(Box::new(Interrupted));
         }
     }
 
-    /// Does work in a thread while this one polls for signals.
+    /// Does work in a thread while the calling thread polls for signals.
     ///
     /// # Errors
     /// The exception of a signal, such as `KeyboardInterrupt`, when the work has ended.
@@ -50,8 +50,8 @@ impl Interruption {
         self.run_and_tell(py, work, || Ok(()))
     }
 
-    /// The same as [`Interruption::run`]. `tell` is called with each poll; its exceptions end the
-    /// work too.
+    /// [`Interruption::run`] that calls `tell` with each poll. Exceptions of `tell` end the work
+    /// too.
     pub(crate) fn run_and_tell<T: Send>(
         &self,
         py: Python<'_>,

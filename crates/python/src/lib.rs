@@ -1,20 +1,20 @@
 //! The extension module of the Python package `magsplice`: conversions between Python and the
 //! library.
 //!
-//! The package in `python/magsplice` is what people import. It gives this module contiguous arrays
-//! of doubles and makes results into classes. Here arrays are viewed in place, the interpreter is
-//! released during work, and signals are polled.
+//! The package in `python/magsplice` is the public part. It passes contiguous arrays of doubles to
+//! this module and converts results to classes. This module views arrays in place, releases the
+//! interpreter during work, and polls for signals.
 
 // Methods of a Python class take `&self` and values as Python passes them.
 #![allow(clippy::needless_pass_by_value)]
 
-/// Which measured tile goes to which place.
+/// The assignment of measured tiles to places.
 mod assignment;
-/// Where the displacement error of films that are made comes from.
+/// The displacement error of real films, divided by its causes.
 mod budget;
 /// Expectations of a film.
 mod check;
-/// Which tiles of a film that was made are faulty.
+/// Faulty tiles of a real film.
 mod diagnosis;
 /// Numbers of a film: comparison and decoupling.
 mod evaluation;
@@ -28,15 +28,15 @@ mod forces;
 mod interruption;
 /// Positions and forces from readings.
 mod readings;
-/// What recoil changes in a film.
+/// The effect of recoil in a film.
 mod recoil;
 /// Figures and pages.
 mod report;
 /// Results of the library as dictionaries.
 mod results;
-/// Samples of films that are made.
+/// Samples of real films.
 mod samples;
-/// Tiles whose field is wanted.
+/// Tiles prepared for evaluation.
 mod scene;
 /// Searches for films.
 mod search;

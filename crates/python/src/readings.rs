@@ -12,9 +12,9 @@ use crate::film::Film;
 use crate::results::{WithArrays, with_arrays};
 use crate::vectors::{rows_of, vectors};
 
-/// The displacement of the sensor for each reading, in millimetres: from the reference point, or
-/// from where it had the readings `rest`. What the mean of the readings `zero` has beyond the field
-/// of the reference point is in all readings, else `constant_t` is.
+/// The displacement of the sensor for each reading, in millimetres, from the reference point or
+/// from the position of the readings `rest`. The constant part of all readings is `constant_t`, or
+/// the difference of the mean of the readings `zero` from the field at the reference point.
 #[pyfunction]
 pub(crate) fn read<'py>(
     py: Python<'py>,
@@ -52,9 +52,9 @@ fn noise_of(deviation_t: [f64; 3]) -> Noise {
     Noise { deviation_t: deviation_t.into() }
 }
 
-/// Standard deviations of the position that one reading gives, at points, in millimetres; infinite
-/// where a displacement leaves the reading unchanged, or the reading is at the limit of the
-/// sensor's range. None without noise.
+/// Standard deviations of the position from one reading, at points, in millimetres; infinite where
+/// a displacement does not change the reading, or the reading is at the limit of the sensor's
+/// range. None without noise.
 #[pyfunction]
 pub(crate) fn resolution<'py>(
     py: Python<'py>,

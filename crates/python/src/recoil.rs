@@ -1,4 +1,4 @@
-//! What recoil changes in a film.
+//! The effect of recoil in a film.
 
 use magsplice::RecoilEstimate;
 use magsplice::magnet::Permeability;
@@ -11,7 +11,7 @@ use crate::film::Film;
 use crate::results::{WithArrays, dictionary, with_arrays};
 use crate::vectors::{numbers, rows_of};
 
-/// What recoil changes in the film, and in each tile; None without it.
+/// The effect of recoil in the film and in each tile; None without recoil.
 #[pyfunction]
 pub(crate) fn recoil<'py>(py: Python<'py>, film: &Film) -> PyResult<Option<WithArrays<'py>>> {
     let Some(found) = film.evaluated(py)?.recoil() else { return Ok(None) };
@@ -27,7 +27,7 @@ pub(crate) fn recoil<'py>(py: Python<'py>, film: &Film) -> PyResult<Option<WithA
     with_arrays(py, &found.summary, more).map(Some)
 }
 
-/// What recoil changes to first order. None if there are no figures.
+/// The effect of recoil to first order. None if there are no figures.
 #[pyfunction]
 pub(crate) fn recoil_estimate<'py>(py: Python<'py>, film: &Film, mu_r: f64) -> PyResult<Option<Bound<'py, PyDict>>> {
     let permeability = Permeability::isotropic(mu_r).map_err(bad_value)?;

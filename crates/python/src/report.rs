@@ -13,8 +13,8 @@ use crate::scene::{Within, accuracy};
 /// A figure: name, caption, SVG, PNG and CSV.
 type Figure<'py> = (&'static str, String, String, Bound<'py, PyBytes>, String);
 
-/// The figures of a film, the page that shows them, and what the report lacks. `text` and `json`
-/// are the results that the page repeats.
+/// The figures of a film, the page that shows them, and the missing parts of the report. `text` and
+/// `json` are the results for the page.
 #[pyfunction]
 pub(crate) fn report<'py>(
     py: Python<'py>,
@@ -43,7 +43,7 @@ pub(crate) fn report<'py>(
     Ok((figures.collect(), html, absent))
 }
 
-/// The page with the tiles alone: their picture, and a view that can be turned.
+/// The page with the tiles alone: their picture, and a rotatable view.
 #[pyfunction]
 pub(crate) fn view(py: Python<'_>, film: &Film) -> PyResult<String> {
     py.detach(|| {

@@ -5,7 +5,7 @@ use pyo3::types::{IntoPyDict, PyDict};
 use pythonize::pythonize;
 use serde::Serialize;
 
-/// A result, and by name what its JSON has not: arrays, and values of other results.
+/// A result, and by name the values that are not in its JSON: arrays, and values of other results.
 pub(crate) type WithArrays<'py> = (Bound<'py, PyDict>, Bound<'py, PyDict>);
 
 /// A result as a dictionary, with the keys of JSON.
@@ -13,7 +13,7 @@ pub(crate) fn dictionary<'py>(py: Python<'py>, result: &impl Serialize) -> PyRes
     Ok(pythonize(py, result)?.cast_into::<PyDict>()?)
 }
 
-/// A result as a dictionary, with more values.
+/// A result as a dictionary, with additional values.
 pub(crate) fn with_arrays<'py, const N: usize>(
     py: Python<'py>,
     result: &impl Serialize,

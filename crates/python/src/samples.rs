@@ -1,4 +1,4 @@
-//! Samples of films that are made.
+//! Samples of real films.
 
 use std::ops::{ControlFlow, Range};
 
@@ -16,8 +16,8 @@ use crate::film::Film;
 use crate::results::dictionary;
 use crate::vectors::rows;
 
-/// The figures of samples `first` to `first + count` of the films that are made from a layout, on
-/// so many threads.
+/// The figures of samples `first` to `first + count` of real films made from a layout, on `threads`
+/// threads.
 #[pyfunction]
 #[pyo3(signature = (film, preset, seed, first, count, threads=None, progress=None))]
 #[expect(clippy::too_many_arguments, reason = "Python passes them by name")]
@@ -68,7 +68,7 @@ pub(crate) fn errors_of(
     Ok(found)
 }
 
-/// The statistics of samples from `first` on, of which these are the errors.
+/// The statistics of samples from `first` on with these errors.
 #[pyfunction]
 pub(crate) fn sampled<'py>(
     py: Python<'py>,

@@ -1,4 +1,4 @@
-//! Tiles whose field is wanted.
+//! Tiles prepared for evaluation.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -15,20 +15,20 @@ use crate::vectors::{Triple, numbers, vectors, written_gradients, written_rows};
 
 /// Number of pairs of tile and point between two polls for signals: about a tenth of a second.
 const STRETCH_PAIRS: usize = 1 << 24;
-/// Least and largest number of points between two polls. The least gives every thread points to
-/// sort into batches of neighbours.
+/// Smallest and largest number of points between two polls. The smallest number gives every thread
+/// points to sort into batches of neighbours.
 const STRETCH_POINTS: [usize; 2] = [1 << 12, 1 << 16];
 /// Number of points between two polls where the field has a tolerance. The model is chosen for a
-/// stretch as a whole, so that short ones would be slow.
+/// stretch as a whole, so short stretches would be slow.
 const STRETCH_POINTS_WITHIN: usize = 1 << 20;
 
-/// A tolerance as Python passes it: whether it is a fraction of |B|, and the number.
+/// A tolerance from Python: whether it is a fraction of |B|, and the number.
 pub(crate) type Within = Option<(bool, f64)>;
 
 /// Points without a field: an exception that is not raised.
 pub(crate) type Faults = Option<PyErr>;
 
-/// Tiles prepared for evaluation. Lengths have any one unit.
+/// Tiles prepared for evaluation. Lengths are in any one unit.
 #[pyclass(frozen, module = "magsplice._magsplice")]
 pub(crate) struct Scene {
     exact: Tiles,
@@ -74,7 +74,7 @@ impl Scene {
     }
 
     /// The field at points: an array of shape (n, 3), NaN where there is no field, and the
-    /// exception that names these points, or None.
+    /// exception that lists these points, or None.
     #[pyo3(signature = (quantity, points, within=None))]
     fn field<'py>(
         &self,
@@ -88,7 +88,7 @@ impl Scene {
         written_rows(py, points.len(), |field| field_into(py, &scene, quantity, points, field))
     }
 
-    /// The field on a grid, z fastest, as `field` gives it.
+    /// The field on a grid, z fastest, in the form of `field`.
     #[pyo3(signature = (quantity, lower, upper, counts, within=None))]
     fn field_on_grid<'py>(
         &self,
@@ -116,8 +116,8 @@ impl Scene {
         })
     }
 
-    /// The gradient at points: an array of shape (n, 3, 3), and the exception that names points
-    /// without a gradient, or None. Gradients are symmetric, so that columns in memory may count as
+    /// The gradient at points: an array of shape (n, 3, 3), and the exception that lists points
+    /// without a gradient, or None. Gradients are symmetric, so columns in memory may count as
     /// rows.
     fn gradient<'py>(
         &self,
@@ -145,10 +145,10 @@ impl Scene {
 }
 
 impl Scene {
-    /// The tiles, whose fields have this tolerance.
+    /// The tiles with this tolerance of their fields.
     pub(crate) fn within(&self, within: Within) -> PyResult<Arc<Tiles>> {
         let accuracy = accuracy(within)?;
-        // Another thread that panicked leaves a scene or none.
+        // After a panic of another thread the value is a scene or none.
         let mut kept = self.within.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(scene) = kept.as_ref().filter(|scene| scene.accuracy() == accuracy) {
             return Ok(Arc::clone(scene));
@@ -176,7 +176,7 @@ pub(crate) fn grid_axes<'py>(
     Ok((numbers(py, x), numbers(py, y), numbers(py, z)))
 }
 
-/// The accuracy that Python asks for.
+/// The accuracy requested by Python.
 pub(crate) fn accuracy(within: Within) -> PyResult<Accuracy> {
     let tolerance = match within {
         None => return Ok(Accuracy::Exact),
@@ -186,7 +186,7 @@ pub(crate) fn accuracy(within: Within) -> PyResult<Accuracy> {
     tolerance.map(Accuracy::Within).map_err(bad_value)
 }
 
-/// The field at points, in stretches between which signals are polled.
+/// The field at points, in stretches with polls for signals between them.
 pub(crate) fn field_into(
     py: Python<'_>,
     scene: &Tiles,

@@ -16,7 +16,7 @@ use crate::results::dictionary;
 /// Name and version in the history of layouts.
 const PROGRAM: &str = concat!("magsplice ", env!("CARGO_PKG_VERSION"), " design");
 
-/// Searches for a better film, as the table [design] of the layout asks, or with another least
+/// Searches for a better film under the table [design] of the layout, or with another smallest
 /// amplitude. `progress` is called with stage, finished items, number of items and best error.
 #[pyfunction]
 pub(crate) fn design<'py>(
@@ -51,7 +51,7 @@ pub(crate) fn design<'py>(
     Ok((dictionary(py, &result)?, problem.designed_layout(&result, PROGRAM).to_compact_toml()))
 }
 
-/// A layout to begin a search with, as TOML. Lengths in millimetres.
+/// The start layout of a search, as TOML. Lengths are in millimetres.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "Python passes them by name")]
 pub(crate) fn splice(

@@ -5,7 +5,7 @@ use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonl
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-/// Three values, which are a tuple in Python. Arrays are lists there.
+/// Three values, a tuple in Python, where arrays would be lists.
 pub(crate) type Triple<T = f64> = (T, T, T);
 
 /// The rows of a contiguous array of shape (n, 3), without a copy.
@@ -55,7 +55,7 @@ pub(crate) fn written_gradients<'py, R>(
     Ok((array, result))
 }
 
-/// A one-dimensional array that takes over a vector.
+/// A one-dimensional array that owns a vector.
 pub(crate) fn numbers(py: Python<'_>, values: Vec<f64>) -> Bound<'_, PyArray1<f64>> {
     values.into_pyarray(py)
 }

@@ -1,4 +1,4 @@
-"""Five lines in an environment that has the wheel alone: the numbers of the README."""
+"""The five lines of the README, in an environment with only the wheel."""
 
 from pathlib import Path
 

@@ -27,7 +27,7 @@ def measured(film):
     tiles = []
     for index, tile in enumerate(film.tiles):
         strength = np.linalg.norm(tile.polarization_t)
-        # Any tile of the part names it; J is along the first side, up to its errors.
+        # Any tile of the part identifies it; J is along the first side, up to its errors.
         off = strength * (1 + 0.03 * scatter(index))
         tiles.append(MeasuredTile(f"cut-{index}", off, film.tiles.names[index]))
     return tiles
@@ -46,7 +46,7 @@ def test_assigned_film_has_the_stated_error(film, measured):
     assert found.measured_rms_mm.p95.value > found.rms_mm
     assert found.spares == 0
     assert found.starts_rms_mm == sorted(found.starts_rms_mm)
-    # The strength of each tile is that of the cut that the plan names.
+    # Each tile has the strength of its cut in the plan.
     strengths = {tile.tile: tile.polarization_t for tile in measured}
     for placed, tile in zip(found.plan, found.film.tiles, strict=True):
         assert np.linalg.norm(tile.polarization_t) == pytest.approx(strengths[placed.tile])

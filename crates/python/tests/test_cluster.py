@@ -17,7 +17,7 @@ ARRAYS = ("uniformity_rmse", "displacement_rmse_mm", "amplitude")
 
 @pytest.fixture(scope="module")
 def client():
-    """Client of two worker processes of one thread each, which start again when they die."""
+    """Client of two worker processes of one thread each, restarted when they die."""
     with (
         distributed.LocalCluster(
             n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None

@@ -1,4 +1,4 @@
-"""Wrong tiles of a film that was made."""
+"""Faulty tiles of a real film."""
 
 import json
 
@@ -10,7 +10,7 @@ import magsplice
 
 @pytest.fixture(scope="module")
 def scan(published):
-    """Points and readings 1 mm below a film with a weak tile and a displaced one."""
+    """Points and readings 1 mm below a film with a weak and a displaced tile."""
     tiles = list(published.tiles)
     tiles[10] = tiles[10]._replace(polarization_t=[0.9 * j for j in tiles[10].polarization_t])
     x, y, z = tiles[30].position_mm

@@ -15,7 +15,7 @@ DELAY = 0.5
 
 
 def interrupted(work):
-    """Checks that Ctrl-C ends work that takes much longer, and that Python runs meanwhile."""
+    """Checks that Ctrl-C ends long work, and that Python runs meanwhile."""
     ticks = 0
     stop = threading.Event()
 
@@ -45,7 +45,7 @@ def test_fields_are_interrupted(large):
 
 
 def test_fields_of_grids_to_a_tolerance_are_interrupted(large):
-    # Across the tiles, so that most points are summed over a tree.
+    # Across the tiles, so most points are summed over a tree.
     grid = magsplice.Grid((-40, -40, -3), (40, 40, 4), (400, 400, 60))
     interrupted(lambda: large.b(grid, within=1e-9, invalid="nan"))
 
@@ -66,7 +66,7 @@ def test_polarizations_are_interrupted(large):
 
 def test_forces_are_interrupted(large):
     film = large.replace(material={"recoil_permeability": 1.1})
-    # The polarization of the film itself is known before.
+    # The polarization of the film is already known.
     film.b([0, 0, -4])
     interrupted(film.forces)
 

@@ -16,12 +16,12 @@ from test_results import SQUARES
 from magsplice import Film, MeasuredTile
 
 PROGRAM = os.environ.get("MAGSPLICE", LAYOUTS.parent / "target" / "release" / "magsplice")
-#: Keys of the columns of a result, which Python has as arrays.
+#: Keys of the columns of a result, which are arrays in Python.
 COLUMNS = {"shape", "columns"}
 
 
 def keys_of(value, place=""):
-    """Keys at all depths, those of an entry of a list with the key of the list."""
+    """Keys at all depths. Keys of list entries have the key of the list."""
     if isinstance(value, dict):
         inner = [keys_of(item, f"{place}.{key}") for key, item in value.items()]
         return {f"{place}.{key}" for key in value}.union(*inner)
@@ -31,7 +31,7 @@ def keys_of(value, place=""):
 
 
 def told_by_program(verb, *arguments):
-    """What a verb of the program prints as JSON."""
+    """The JSON printed by a verb of the program."""
     command = [PROGRAM, verb, *arguments, "--format", "json", "--quiet"]
     found = subprocess.run(command, check=True, stdout=subprocess.PIPE).stdout
     return {key: value for key, value in json.loads(found).items() if key not in COLUMNS}
@@ -76,7 +76,7 @@ def test_decouplings_have_the_keys_of_the_program(film, tmp_path, points):
     given = [] if points is None else ["--points", file]
     told = told_by_program("decouple", saved(film, tmp_path), *given)
     told.pop("remark", None)
-    # The program compares the film, too, which is another call of Python.
+    # The program also compares the film, by another call in Python.
     own = ("layout", "sha256", "version", "tiles", "accuracy", "recoil", "remark")
     comparison = {
         key: value for key, value in film.compare(points).to_dict().items() if key not in own

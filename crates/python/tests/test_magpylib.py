@@ -10,8 +10,8 @@ magpylib = pytest.importorskip("magpylib")
 Rotation = pytest.importorskip("scipy.spatial.transform").Rotation
 Cuboid, Sensor, Collection = magpylib.magnet.Cuboid, magpylib.Sensor, magpylib.Collection
 
-#: magpylib rounds corner terms against each other: some digits are lost a few sizes away. Values
-#: are over the largest one.
+#: magpylib loses some digits a few sizes away, because corner terms cancel. Values are over the
+#: largest value.
 CLOSE = {"rtol": 1e-9, "atol": 1e-12}
 
 

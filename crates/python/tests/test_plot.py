@@ -25,7 +25,7 @@ def ax():
 
 def test_layout_has_an_outline_for_each_tile(published, ax):
     assert plot.layout(published, ax=ax, names=True) is ax
-    # One more is the frame of the working volume.
+    # Plus the frame of the working volume.
     assert len(ax.patches) == 57
     corners = ax.patches[0].get_xy()[:-1]
     spans = np.ptp(corners, axis=0)

@@ -192,7 +192,7 @@ def test_datasets_have_dimensions_and_units(published):
 
 
 def address(array):
-    """Where the numbers of an array are in memory."""
+    """The memory address of an array's numbers."""
     return array.__array_interface__["data"][0]
 
 
