@@ -1,11 +1,11 @@
 //! Rotations in every form of the file, and the quaternions that they are.
 
-use std::error::Error;
 use std::fmt;
 
 use glam::{DMat3, DQuat, DVec3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use thiserror::Error;
 
 use crate::faults::TableFaults;
 use crate::names::shown;
@@ -71,11 +71,16 @@ pub struct EulerOrder {
 }
 
 /// Why numbers are not a rotation: for each fault the key with its value, then the rule.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Error, PartialEq)]
+#[error("{}", .0.join("; "))]
 pub struct RotationFaults(pub Vec<String>);
 
 /// A text that is no order of Euler angles.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
+#[error(
+    "must be three letters, no two equal ones side by side: xyz for rotations about the fixed axes, in this order \
+     (extrinsic), XYZ for rotations about the axes of the turned tile (intrinsic)"
+)]
 pub struct InvalidEulerOrder;
 
 impl Rotation {
@@ -320,21 +325,3 @@ impl fmt::Display for EulerOrder {
         self.axes.iter().try_for_each(|axis| f.write_str(letters[*axis]))
     }
 }
-
-impl fmt::Display for InvalidEulerOrder {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(
-            "must be three letters, no two equal ones side by side: xyz for rotations about the fixed axes, in this \
-             order (extrinsic), XYZ for rotations about the axes of the turned tile (intrinsic)",
-        )
-    }
-}
-
-impl fmt::Display for RotationFaults {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.0.join("; "))
-    }
-}
-
-impl Error for InvalidEulerOrder {}
-impl Error for RotationFaults {}
