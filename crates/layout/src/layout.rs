@@ -130,7 +130,7 @@ impl NamedTile {
     /// quaternion.
     pub fn new(name: impl Into<String>, tile: Tile) -> NamedTile {
         let is_turned = tile.rotation() != DQuat::IDENTITY;
-        let rotation = is_turned.then(|| Rotation::from_quaternion(tile.rotation().to_array()).ok()).flatten();
+        let rotation = is_turned.then(|| Rotation::Quaternion(tile.rotation().to_array()).checked().ok()).flatten();
         NamedTile { name: name.into(), kind: None, rotation, tile, permeability: None }
     }
 }

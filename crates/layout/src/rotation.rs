@@ -24,16 +24,16 @@ const ORTHOGONALIZATIONS: usize = 2;
 
 /// A rotation about the tile's centre as written, from the tile's own frame to the scene's.
 ///
-/// The constructors check the numbers. A value that was not made by one of them may have no
-/// meaning, and [`Rotation::quaternion`] then is not a rotation.
+/// [`Rotation::checked`] checks the numbers. Without it they may have no meaning, and
+/// [`Rotation::quaternion`] then is not a rotation.
 ///
 /// # Example
 /// ```
 /// use magsplice_layout::{EulerOrder, Rotation};
 ///
-/// let about_z = Rotation::from_axis_angle([0.0, 0.0, 1.0], 30.0)?;
+/// let about_z = Rotation::AxisAngle { axis: [0.0, 0.0, 1.0], angle_deg: 30.0 }.checked()?;
 /// let order: EulerOrder = "zyx".parse()?;
-/// let euler = Rotation::from_euler([30.0, 0.0, 0.0], order)?;
+/// let euler = Rotation::Euler { angles_deg: [30.0, 0.0, 0.0], order }.checked()?;
 /// assert_eq!(about_z.quaternion(), euler.quaternion());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -84,41 +84,14 @@ pub struct RotationFaults(pub Vec<String>);
 pub struct InvalidEulerOrder;
 
 impl Rotation {
-    /// A rotation by an angle in degrees, right-handed about an axis.
+    /// The rotation, if its numbers are one. A matrix stands for the nearest rotation, because
+    /// decimals are rounded. The norms of an axis and of a quaternion do not matter.
     ///
     /// # Errors
-    /// All faults: an axis that is zero or not finite, an angle that is not finite.
-    pub fn from_axis_angle(axis: [f64; 3], angle_deg: f64) -> Result<Rotation, RotationFaults> {
-        Rotation::AxisAngle { axis, angle_deg }.checked()
-    }
-
-    /// The rotation of a quaternion x, y, z, w. Its norm does not matter.
-    ///
-    /// # Errors
-    /// If the quaternion is zero or not finite.
-    pub fn from_quaternion(xyzw: [f64; 4]) -> Result<Rotation, RotationFaults> {
-        Rotation::Quaternion(xyzw).checked()
-    }
-
-    /// Three rotations by angles in degrees, one after the other.
-    ///
-    /// # Errors
-    /// If an angle is not finite.
-    pub fn from_euler(angles_deg: [f64; 3], order: EulerOrder) -> Result<Rotation, RotationFaults> {
-        Rotation::Euler { angles_deg, order }.checked()
-    }
-
-    /// The rotation of a matrix, given row by row. It is replaced by the nearest rotation, because
-    /// decimals are rounded.
-    ///
-    /// # Errors
-    /// If an element is not finite, the matrix deviates by more than [`ORTHOGONALITY_TOLERANCE`]
-    /// from orthogonality, or it is a reflection.
-    pub fn from_matrix(rows: [[f64; 3]; 3]) -> Result<Rotation, RotationFaults> {
-        Rotation::Matrix(rows).checked()
-    }
-
-    fn checked(self) -> Result<Rotation, RotationFaults> {
+    /// All faults: an axis or a quaternion that is zero, a number that is not finite, and a matrix
+    /// that is a reflection or deviates by more than [`ORTHOGONALITY_TOLERANCE`] from
+    /// orthogonality.
+    pub fn checked(self) -> Result<Rotation, RotationFaults> {
         let rules = match self {
             Rotation::AxisAngle { axis, angle_deg } => vec![
                 (unit_vector(axis).is_some(), format!("axis = {axis:?}, must be finite and not zero")),
@@ -243,16 +216,16 @@ impl RotationTable {
             ("matrix", matrix.is_some()),
         ];
         faults.only_one("rotation", &forms)?;
-        let rotation = match (axis, angle_deg, quaternion, euler_deg, order, matrix) {
-            (Some(axis), Some(angle_deg), ..) => Rotation::from_axis_angle(*axis, *angle_deg),
-            (_, _, Some(quaternion), ..) => Rotation::from_quaternion(*quaternion),
-            (_, _, _, Some(euler_deg), Some(order), _) => match order.parse() {
-                Ok(order) => Rotation::from_euler(*euler_deg, order),
+        let rotation = match (*axis, *angle_deg, *quaternion, *euler_deg, order, *matrix) {
+            (Some(axis), Some(angle_deg), ..) => Rotation::AxisAngle { axis, angle_deg },
+            (_, _, Some(quaternion), ..) => Rotation::Quaternion(quaternion),
+            (_, _, _, Some(angles_deg), Some(order), _) => match order.parse() {
+                Ok(order) => Rotation::Euler { angles_deg, order },
                 Err(InvalidEulerOrder) => {
                     return faults.refuse(format!("rotation.order = \"{}\", {InvalidEulerOrder}", shown(order)));
                 }
             },
-            (.., Some(matrix)) => Rotation::from_matrix(*matrix),
+            (.., Some(rows)) => Rotation::Matrix(rows),
             (Some(_), ..) => return faults.refuse("rotation has axis without an angle_deg"),
             (_, Some(_), ..) => return faults.refuse("rotation has angle_deg without an axis"),
             (_, _, _, Some(_), ..) => {
@@ -260,7 +233,8 @@ impl RotationTable {
             }
             _ => return faults.refuse("rotation has order without euler_deg"),
         };
-        rotation.map_err(|broken| broken.0.into_iter().for_each(|fault| faults.add(format!("rotation.{fault}")))).ok()
+        let add = |fault: String| faults.add(format!("rotation.{fault}"));
+        rotation.checked().map_err(|broken| broken.0.into_iter().for_each(add)).ok()
     }
 
     /// The keys with angles, and the angles in degrees.

@@ -33,10 +33,10 @@ impl RotationColumns {
             return None;
         }
         let rotation = match self {
-            RotationColumns::Quaternion(columns) => Rotation::from_quaternion(cells.numbers(columns)?),
+            RotationColumns::Quaternion(columns) => Rotation::Quaternion(cells.numbers(columns)?),
             RotationColumns::AxisAngle(columns) => {
                 let [x, y, z, angle_deg] = cells.numbers(columns)?;
-                Rotation::from_axis_angle([x, y, z], angle_deg)
+                Rotation::AxisAngle { axis: [x, y, z], angle_deg }
             }
             RotationColumns::Euler(columns, order) => {
                 let before = cells.faults.len();
@@ -44,14 +44,14 @@ impl RotationColumns {
                 if cells.faults.len() > before {
                     return None;
                 }
-                Rotation::from_euler(angles_deg, *order)
+                Rotation::Euler { angles_deg, order: *order }
             }
             RotationColumns::Matrix(columns) => {
                 let [a, b, c, d, e, f, g, h, i] = cells.numbers(columns)?;
-                Rotation::from_matrix([[a, b, c], [d, e, f], [g, h, i]])
+                Rotation::Matrix([[a, b, c], [d, e, f], [g, h, i]])
             }
         };
-        rotation.map_err(|RotationFaults(broken)| cells.faults.extend(broken.iter().map(ToString::to_string))).ok()
+        rotation.checked().map_err(|RotationFaults(broken)| cells.faults.extend(broken)).ok()
     }
 }
 
