@@ -73,9 +73,10 @@ fn fraction_of_pi(multiple: i64) -> String {
 }
 
 #[cfg(test)]
-// Typed numbers are the subject of these tests.
-#[allow(clippy::approx_constant)]
 mod tests {
+    // Typed numbers are the subject of these tests.
+    #![allow(clippy::approx_constant)]
+
     use super::*;
 
     #[test]
