@@ -210,6 +210,8 @@ impl SpliceRequest {
         }
         let is_gap = self.brief.gap_mm >= 0.0 && self.brief.gap_mm.is_finite();
         faults.extend((!is_gap).then_some(SpliceFault::Gap(self.brief.gap_mm)));
+        let seed = self.brief.seed;
+        faults.extend(i64::try_from(seed).is_err().then_some(SpliceFault::LargeSeed(seed)));
         faults.extend(not_positive("resolution of directions", self.brief.resolution_deg, "deg"));
         let [near, far] = self.distance_mm;
         faults.extend((is_wave && !(near < far)).then_some(SpliceFault::Distances(near, far)));

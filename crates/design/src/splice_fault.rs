@@ -49,6 +49,9 @@ pub enum SpliceFault {
     /// The gap is not finite or less than 0.
     #[error("gap: {0} mm, must be a finite number of at least 0")]
     Gap(f64),
+    /// The seed is above the largest integer of a layout file.
+    #[error("seed: {0}, must be at most {most}, the largest integer of a layout file", most = i64::MAX)]
+    LargeSeed(u64),
     /// The first distance is not less than the second.
     #[error("distance: {0} to {1} mm, the first must be less than the second")]
     Distances(f64, f64),

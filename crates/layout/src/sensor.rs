@@ -6,6 +6,7 @@ use glam::{DQuat, DVec3};
 use magsplice_magnet::{Axis, HallSensor};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use toml::Table;
 
 use crate::error_unit::ErrorUnit;
 use crate::faults::{FINITE, NOT_NEGATIVE, POSITIVE, Rule, TableFaults};
@@ -159,12 +160,16 @@ impl From<&StatedSensor> for SensorTable {
 
 /// The numbers of a part by its name, or none after adding a fault.
 fn part(name: &str, faults: &mut TableFaults) -> SensorTable {
-    let mut parts: BTreeMap<String, SensorTable> = toml::from_str(PARTS).expect("the list of parts is TOML");
+    let mut parts = parts();
     parts.remove(name).unwrap_or_else(|| {
         let known: Vec<String> = parts.into_keys().collect();
         faults.add(format!("part = \"{}\", must be one of: {}; or leave it out", shown(name), known.join(", ")));
         SensorTable::default()
     })
+}
+
+fn parts() -> BTreeMap<String, SensorTable> {
+    PARTS.parse::<Table>().and_then(Table::try_into).expect("the list of parts is TOML")
 }
 
 #[cfg(test)]
@@ -173,7 +178,7 @@ mod tests {
 
     #[test]
     fn every_part_obeys_the_rules() {
-        let parts: BTreeMap<String, SensorTable> = toml::from_str(PARTS).unwrap();
+        let parts = parts();
         assert_eq!(parts.len(), 4);
         for part in parts.values() {
             let all = [part.noise_ut, part.count_ut, part.range_mt].map(|numbers| DVec3::from(numbers.unwrap()));

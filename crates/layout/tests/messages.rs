@@ -57,6 +57,17 @@ fn place_at_the_end_of_a_text_is_its_last_line() {
 }
 
 #[test]
+fn integers_beyond_those_of_toml_are_refused() {
+    for (key, value) in
+        [("seed", "9223372036854775808"), ("samples", "-9223372036854775809"), ("strength", "10000000000000000000")]
+    {
+        let range = "must be from -9223372036854775808 to 9223372036854775807, the integers of TOML";
+        assert_eq!(sentence("[tolerance]\n", &format!("{key} = {value}")), format!("{key} {range}"));
+    }
+    assert!(Layout::parse(&format!("{HEAD}{TILE}[tolerance]\nseed = 0x7fff_ffff_ffff_ffff\n"), "t").is_ok());
+}
+
+#[test]
 fn numbers_in_quotes_are_converted_to_the_unit_of_the_key() {
     for (table, key, text, end) in [
         ("", "strength_t", "200 mT", "strength_t is a number in tesla, without quotes and unit: write 0.2"),

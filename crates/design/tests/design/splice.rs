@@ -97,6 +97,10 @@ fn splice_request_has_the_published_pattern() {
     let small = SpliceRequest { film_mm: [8.0, 20.0], range_mm: [6.0, 5.0], ..request.clone() };
     let Err(DesignError::Request(problems)) = small.layout() else { panic!("refused") };
     assert_eq!(problems.len(), 2, "{problems:?}");
+    let brief = Brief { seed: u64::MAX, ..request.brief.clone() };
+    let large = SpliceRequest { brief, ..request.clone() };
+    let Err(DesignError::Request(problems)) = large.layout() else { panic!("refused") };
+    assert!(problems[0].to_string().starts_with("seed: 18446744073709551615, must be at most"), "{problems:?}");
     // Outlines that leave narrow rims.
     for width in [8.4, 9.0, 11.7, 13.0, 16.5, 25.1] {
         let layout = SpliceRequest { film_mm: [width, 20.0], ..request.clone() }.layout().unwrap();

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use strsim::jaro_winkler;
 use toml::Spanned;
-use toml::de::{DeTable, DeValue};
+use toml::de::{DeInteger, DeTable, DeValue};
 
 use crate::file::form::{Form, Kind};
 use crate::file::sentence::{KeyForm, one_of};
@@ -102,6 +102,11 @@ impl Walk<'_> {
                 }
                 true
             }
+            (Kind::Integer { .. } | Kind::Number, DeValue::Integer(number)) if is_too_large(number) => {
+                let rule = format!("must be from {} to {}, the integers of TOML", i64::MIN, i64::MAX);
+                self.add(span, format!("{} {rule}", key.key));
+                true
+            }
             (Kind::Integer { is_unsigned: true }, DeValue::Integer(number)) => !number.as_str().starts_with('-'),
             (_, found) => has_type(form, found) && !matches!(found, DeValue::Array(_)),
         };
@@ -114,6 +119,10 @@ impl Walk<'_> {
         let written = self.text.get(value.span()).unwrap_or_default();
         self.add(value.span(), key.sentence(form, value.get_ref(), written));
     }
+}
+
+fn is_too_large(number: &DeInteger) -> bool {
+    i64::from_str_radix(number.as_str(), number.radix()).is_err()
 }
 
 /// Whether a value is a number, a text, a list or a table as the form is.

@@ -117,9 +117,7 @@ impl Line<'_> {
 
 /// A value in one line of TOML.
 fn inline(value: &impl Serialize) -> String {
-    let mut text = String::new();
-    value.serialize(toml::ser::ValueSerializer::new(&mut text)).expect("numbers and strings can be written");
-    text
+    toml::Value::try_from(value).expect("numbers and strings can be written").to_string()
 }
 
 /// The tiles without those that are mirror images of others, and the names of all tiles in the

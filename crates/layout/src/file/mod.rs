@@ -96,7 +96,8 @@ impl Layout {
     /// the same tiles, bit for bit.
     ///
     /// # Panics
-    /// If the path of the expected field is not UTF-8, which no layout file can express.
+    /// If the path of the expected field is not UTF-8 or a seed is above `i64::MAX`, which no layout
+    /// file can express.
     ///
     /// # Example
     /// ```
@@ -113,7 +114,7 @@ impl Layout {
 
     /// The layout in the plain form, to be serialized in any format.
     pub fn plain(&self) -> PlainLayout {
-        PlainLayout(Table::try_from(self.file()).expect("numbers and strings can always be written as TOML"))
+        PlainLayout(self.file().table())
     }
 
     fn file(&self) -> LayoutFile {
@@ -144,6 +145,10 @@ impl Layout {
 
 impl LayoutFile {
     fn to_toml(&self) -> String {
-        toml::to_string(self).expect("numbers and strings can always be written as TOML")
+        self.table().to_string()
+    }
+
+    fn table(&self) -> Table {
+        Table::try_from(self).expect("numbers and strings can always be written as TOML")
     }
 }
