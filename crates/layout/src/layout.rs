@@ -98,7 +98,7 @@ impl Layout {
         self.tiles.iter().map(|named| named.tile).collect()
     }
 
-    /// The recoil permeability of each tile: its own, or that of the material.
+    /// The recoil permeability of each tile: its own, or the material's.
     pub fn permeabilities(&self) -> Vec<Permeability> {
         self.tiles.iter().map(|named| named.permeability.unwrap_or(self.material.permeability)).collect()
     }
@@ -121,7 +121,7 @@ pub struct NamedTile {
     /// The tile, in millimetres and tesla. With a recoil permeability above 1 its polarization is
     /// that without a field, J_r.
     pub tile: Tile,
-    /// Its recoil permeability. `None` for that of the material.
+    /// Its recoil permeability. `None` for the permeability of the material.
     pub permeability: Option<Permeability>,
 }
 

@@ -7,7 +7,7 @@ use crate::layout::{Layout, NamedTile};
 
 impl Layout {
     /// The layout of a film that was made: with its tiles as they are, in the same order, and the
-    /// depth to which they overlap allowed. Requirements and the brief are those of the film as
+    /// depth to which they overlap allowed. Requirements and the brief apply to the film as
     /// ordered, and are left out.
     pub fn with_made_tiles(mut self, tiles: &[Tile]) -> Layout {
         for (named, tile) in self.tiles.iter_mut().zip(tiles) {

@@ -120,8 +120,7 @@ fn inline(value: &impl Serialize) -> String {
     toml::Value::try_from(value).expect("numbers and strings can be written").to_string()
 }
 
-/// The tiles without those that are mirror images of others, and the names of all tiles in the
-/// text.
+/// The tiles that are not mirror images of others, and the names of all tiles in the text.
 fn lines(tiles: &[NamedTile]) -> (Vec<Line<'_>>, Vec<String>) {
     let mut written = vec![false; tiles.len()];
     // By position, so that images are found without a search among all tiles.

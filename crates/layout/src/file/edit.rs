@@ -58,7 +58,7 @@ impl Layout {
         for keeps_tolerance in [true, false] {
             let Some(text) = edited(&file.text, &before, self, &anew, keeps_tolerance) else { break };
             // [tolerance] may name tiles that now have other names, and numbers that were left out
-            // may be those of a preset or a part.
+            // may come from a preset or a part.
             if read(&text, folder.as_ref()).is_ok_and(|read| read.to_toml() == wanted) {
                 return Ok(text);
             }

@@ -10,7 +10,7 @@ use crate::file::LayoutFile;
 /// The JSON Schema (draft 2020-12) of layout files, with a description of every key, for editors
 /// and other programs.
 ///
-/// The schema states the keys and their types. Rules between keys are checked by
+/// The schema has the keys and their types. Rules between keys are checked by
 /// [`Layout::parse`](crate::Layout::parse) only.
 ///
 /// # Example

@@ -22,8 +22,8 @@ const LEAST_FILM: f64 = 0.03;
 /// thinner than the ideal one to change its amplitude, but not by so much.
 const MAX_HEIGHT_RATIO: f64 = 30.0;
 
-/// Largest ratio of the volume's longest side to that of the tiles. The sides of a film and of its
-/// volume, 20 and 4 mm, have a ratio of 200 if the film is in metres.
+/// Largest ratio of the longest side of the volume to the longest side of the tiles. The sides of a
+/// film and of its volume, 20 and 4 mm, have a ratio of 200 if the film is in metres.
 const MAX_VOLUME_RATIO: f64 = 150.0;
 
 /// Distance of the volume from the film that is too small for a sensor, as a fraction of the

@@ -16,7 +16,7 @@ const PARTS_OF_PI: f64 = 12.0;
 const LARGEST_MULTIPLE: f64 = 2.0 * PARTS_OF_PI;
 
 /// Digits from which on a fraction of pi is no coincidence: one number of 260 below a full turn in
-/// radians, and of those that are rounded to hundredths of a degree none.
+/// radians, and no number that is rounded to hundredths of a degree.
 const LEAST_DIGITS: usize = 4;
 
 /// Findings about angles of tiles and of the stock of a design.
@@ -47,7 +47,7 @@ fn meant_degrees(angle: f64) -> Option<String> {
     if multiple == 0.0 || !(multiple.abs() <= LARGEST_MULTIPLE) {
         return None;
     }
-    // The shortest decimal text that is this number: that in the file, but for zeros at its end.
+    // The shortest decimal text that is this number, as in the file but for zeros at its end.
     let text = angle.abs().to_string();
     let (_, decimals) = text.split_once('.')?;
     let digits = text.trim_start_matches(['0', '.']).chars().filter(char::is_ascii_digit).count();

@@ -24,7 +24,7 @@ pub(crate) mod single;
 
 pub(crate) use self::file_tiles::FileTiles;
 
-/// Builds a tile, or adds every rule that it breaks. The rules are those of [`Tile::new`], with the
+/// Builds a tile, or adds every rule that it breaks. The rules of [`Tile::new`] apply, with the
 /// keys of the file.
 fn checked_tile(position_mm: DVec3, size_mm: DVec3, polarization_t: DVec3, faults: &mut TableFaults) -> Option<Tile> {
     Tile::new(position_mm, size_mm, polarization_t)

@@ -17,8 +17,8 @@ pub(crate) struct Room {
 
 impl Room {
     /// Makes room for the tiles of one table, whose name and kind together have `name_bytes` each.
-    /// Returns whether there is room, and adds a fault if there is not. `what` says what makes the
-    /// tiles, such as "grid makes 12 tiles".
+    /// Returns whether there is room, and adds a fault if there is not. `what` describes the
+    /// source of the tiles, such as "grid makes 12 tiles".
     pub(crate) fn take(
         &mut self,
         tiles: usize,

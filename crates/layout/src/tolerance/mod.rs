@@ -38,11 +38,11 @@ mod written;
 /// fractions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FilmTolerance {
-    /// The errors of each tile, independent of those of other tiles. Empty, or one for each tile.
+    /// The errors of each tile, independent of the other tiles. Empty, or one for each tile.
     pub tiles: Vec<TileErrors>,
     /// Groups of tiles that move or change together.
     pub groups: Vec<ErrorGroup>,
-    /// Errors that all tiles share, and those of the surroundings and of the sensor.
+    /// Errors that all tiles share, and errors of the surroundings and of the sensor.
     pub common: CommonErrors,
     /// Number of samples of films to evaluate. Default: 1000.
     pub samples: u64,
@@ -59,7 +59,7 @@ impl Default for FilmTolerance {
 
 impl FilmTolerance {
     /// Leaves out the errors of tiles that are left out of the layout, and groups without a tile.
-    /// `is_kept` says for each index whether the tile stays.
+    /// `is_kept` is whether the tile with an index stays.
     pub fn retain_tiles(&mut self, is_kept: impl Fn(usize) -> bool) {
         let mut index = 0;
         self.tiles.retain(|_| {
@@ -92,21 +92,21 @@ pub struct ErrorGroup {
     pub name: String,
     /// Indices of its tiles.
     pub tiles: Vec<usize>,
-    /// The errors, in addition to those of each tile. The group moves and turns as a rigid body,
-    /// about the mean of the centres of its tiles. Errors of size, strength and direction are the
-    /// same for all its tiles.
+    /// The errors, in addition to the errors of each tile. The group moves and turns as a rigid
+    /// body, about the mean of the centres of its tiles. Errors of size, strength and direction are
+    /// the same for all its tiles.
     pub errors: TileErrors,
 }
 
-/// Errors that all tiles share, and those of the surroundings and of the sensor.
+/// Errors that all tiles share, and errors of the surroundings and of the sensor.
 ///
 /// Displacements are measured from a reference point, where the sensor has been read once. All
-/// errors are already there at that time, unless they are said to come later.
+/// errors are already there at that time, unless they are marked as later.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CommonErrors {
     /// Pose of the film against the sensor.
     pub film: FilmPose,
-    /// A uniform field from elsewhere, such as that of the earth.
+    /// A uniform field from elsewhere, such as the earth's.
     pub stray_field: Option<StrayField>,
     /// Another film nearby.
     pub neighbour: Option<Neighbour>,

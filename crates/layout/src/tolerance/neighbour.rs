@@ -33,7 +33,7 @@ pub(crate) struct NeighbourTable {
 
 impl NeighbourTable {
     /// The neighbour, or `None` after adding its faults. `read` gives the tiles of the layout at a
-    /// path, or says why there are none.
+    /// path, or reports why there are none.
     pub(crate) fn resolve(
         &self,
         read: &dyn Fn(&str) -> Result<Vec<NamedTile>, String>,

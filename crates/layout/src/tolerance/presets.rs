@@ -8,8 +8,8 @@
 //!   are then small beside the others.
 //! * Jig: pockets of a milled frame are in place to 0.02 mm, and the play of a tile in its pocket
 //!   is as large. It turns a tile of 3 mm by 0.2 degrees. Ground faces keep 0.02 mm. One batch
-//!   keeps 1 % of remanence. A frame does not sort magnets by their axis: 1 degree is that of one
-//!   batch.
+//!   keeps 1 % of remanence. A frame does not sort magnets by their axis: 1 degree is usual for
+//!   one batch.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -111,8 +111,8 @@ impl ErrorKeys {
         keys
     }
 
-    /// The keys of errors that most tiles have, and those of other tiles with their indices, key by
-    /// key. The text then has no distribution more often than the file from which it was read.
+    /// Key by key, the errors that most tiles have, and the errors of the other tiles with their
+    /// indices. The text then has no distribution more often than the file from which it was read.
     pub(crate) fn of_tiles(tiles: &[TileErrors]) -> (ErrorKeys, Vec<(Vec<usize>, ErrorKeys)>) {
         let (mut usual, mut others) = (ErrorKeys::default(), Vec::new());
         for key in 0..COUNT {
