@@ -1,7 +1,5 @@
 //! The rule that tiles do not overlap. Touching tiles are allowed.
 
-use std::collections::BTreeMap;
-
 use glam::DVec3;
 use magsplice_magnet::{Axis, BoundingBox, Overlap, Tile, TooManyPairs, overlaps_among};
 
@@ -15,12 +13,11 @@ use crate::tile::entries::{Entry, Origin, origin};
 type Between = (usize, usize, Option<usize>);
 
 /// Adds a fault for each pair of entries with tiles that overlap by more than round-off and
-/// `allowed_mm`. A pair of tiles that stand in the file is named before one of images.
+/// `allowed_mm`. A pair of tiles that stand in the file is reported before one of images.
 pub(crate) fn check(tiles: &[NamedTile], entries: &[Entry], allowed_mm: f64, faults: &mut Faults) {
     let bare: Vec<Tile> = tiles.iter().map(|named| named.tile).collect();
     let most = PAIRS_PER_TILE * tiles.len() + SPARE_PAIRS;
-    let mut listed: BTreeMap<Between, [(usize, Origin); 2]> = BTreeMap::new();
-    let mut order: Vec<(Between, Overlap)> = Vec::new();
+    let mut listed: Vec<(Between, Overlap, [Origin; 2])> = Vec::new();
     let mut more = false;
     let is_refused = |pair: &Result<Overlap, TooManyPairs>| pair.as_ref().map_or(true, |pair| pair.depth > allowed_mm);
     for (number, pair) in overlaps_among(&bare, most).filter(is_refused).enumerate() {
@@ -31,30 +28,26 @@ pub(crate) fn check(tiles: &[NamedTile], entries: &[Entry], allowed_mm: f64, fau
             ));
             break;
         };
-        let ends = [pair.first, pair.second].map(|index| (index, origin(index, entries, tiles.len())));
-        let between = between(ends[0].1, ends[1].1);
-        let is_written = |ends: &[(usize, Origin); 2]| ends.iter().all(|(_, origin)| !origin.is_image());
-        match listed.get(&between) {
-            None if order.len() == MAX_LISTED - 1 => more = true,
-            None => order.push((between, pair)),
-            Some(known) if !is_written(known) && is_written(&ends) => {
-                order.iter_mut().filter(|(other, _)| *other == between).for_each(|(_, shown)| *shown = pair);
-            }
-            Some(_) => continue,
-        }
+        let ends = [pair.first, pair.second].map(|index| origin(index, entries, tiles.len()));
+        let between = between(ends[0], ends[1]);
+        let known = listed.iter().position(|(other, ..)| *other == between);
         // The list is full, or complete enough.
-        if more || number == MAX_OVERLAPS {
-            more = true;
+        more = number > MAX_OVERLAPS || known.is_none() && listed.len() == MAX_LISTED - 1;
+        if more {
             break;
         }
-        listed.insert(between, ends);
+        let is_written = |ends: &[Origin; 2]| ends.iter().all(|origin| !origin.is_image());
+        match known {
+            None => listed.push((between, pair, ends)),
+            Some(known) if !is_written(&listed[known].2) && is_written(&ends) => listed[known] = (between, pair, ends),
+            Some(_) => {}
+        }
     }
     let rule = match allowed_mm > 0.0 {
         true => format!("must be at most overlap_mm = {allowed_mm}"),
         false => "must not overlap".to_owned(),
     };
-    for (between, pair) in order {
-        let [(_, first), (_, second)] = listed[&between];
+    for (between, pair, [first, second]) in listed {
         let place = format!("tile \"{}\"", tiles[second.original].name);
         let message = match between {
             (_, _, Some(axis)) => of_own_image(&tiles[second.original], axis, &entries[second.entry], &pair, &rule),
