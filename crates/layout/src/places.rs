@@ -1,17 +1,17 @@
 //! Where the tables of a text begin.
 
-use std::collections::BTreeMap;
+use std::collections::HashMap;
 use std::ops::Range;
 
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// A table or a list of tables in a text, with those in it.
+/// A table or a list of tables in a text, with the tables in it.
 #[derive(Default)]
 pub(crate) struct Place {
     /// Where it begins.
     pub(crate) start: usize,
-    keys: BTreeMap<String, Place>,
+    keys: HashMap<String, Place>,
     items: Vec<Place>,
 }
 

@@ -1,6 +1,6 @@
 //! All tiles of a file: kinds, single and repeated tiles, lattices.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, HashSet};
 
 use crate::faults::Faults;
 use crate::finding::{FindingSubject, listed};
@@ -36,7 +36,7 @@ impl<'t> FileTiles<'t> {
             check_name("name", name, &mut faults);
             kind.check(&mut faults);
         }
-        let used: BTreeSet<&String> = singles.iter().filter_map(|tile| tile.kind.as_ref()).collect();
+        let used: HashSet<&String> = singles.iter().filter_map(|tile| tile.kind.as_ref()).collect();
         let idle = kinds.keys().filter(|name| !used.contains(name));
         let is_idle = |name: &String| format!("kind \"{name}\" is declared but no tile uses it");
         faults.findings.extend(listed(idle, FindingSubject::Tiles, is_idle, "kinds"));

@@ -1,6 +1,6 @@
 //! `[[tolerance.group]]`: tiles that move or change together.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, HashSet};
 
 use magsplice_magnet::Axis;
 use schemars::JsonSchema;
@@ -55,7 +55,7 @@ type NamedGroup = (String, Vec<usize>);
 /// The groups of all tables. Faults are added.
 pub(crate) fn resolve(groups: Vec<GroupTable>, selection: &mut Selection, tables: &mut ErrorTables) -> Vec<ErrorGroup> {
     let mut found: Vec<ErrorGroup> = Vec::new();
-    let mut names: BTreeSet<String> = BTreeSet::new();
+    let mut names: HashSet<String> = HashSet::new();
     let mut members = 0;
     for (index, mut table) in groups.into_iter().enumerate() {
         let name = table.name.clone().unwrap_or_else(|| format!("group-{}", index + 1));
@@ -75,7 +75,7 @@ pub(crate) fn resolve(groups: Vec<GroupTable>, selection: &mut Selection, tables
         if parts.len() > 1 && !at.tabulated.count(errors.values(), parts.len() - 1) {
             at.faults.add(too_many_values("this group"));
         }
-        // One of the names of rows and kinds. That of the table has been checked.
+        // One of the names of rows and kinds. The name of the table has been checked.
         let is_long = |(name, _): &&NamedGroup| name.len() > MAX_NAME_BYTES;
         if is_divided && let Some((name, _)) = parts.iter().find(is_long) {
             check_name("name", name, &mut at.faults);

@@ -1,6 +1,6 @@
 //! Tiles by their names, by names with asterisks, and by kinds.
 
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 use crate::faults::TableFaults;
 use crate::layout::NamedTile;
@@ -78,7 +78,7 @@ impl<'t> Selection<'t> {
     /// The indices of the tiles of these kinds, in the order of the kinds. Faults of kinds are
     /// added.
     pub(crate) fn of_kinds(&self, key: &str, kinds: &[String], faults: &mut TableFaults) -> Vec<usize> {
-        let (mut found, mut seen) = (Vec::new(), BTreeSet::new());
+        let (mut found, mut seen) = (Vec::new(), HashSet::new());
         for kind in kinds {
             if !seen.insert(kind) {
                 faults.add(format!("{key} names \"{}\" twice, must name a kind once", shown(kind)));
