@@ -7,7 +7,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::expectations::LowerBound;
-use crate::faults::TableFaults;
+use crate::faults::{FINITE, NOT_NEGATIVE, POSITIVE, TableFaults};
 use crate::limits::{MAX_DESIGN_POINTS, MAX_STARTS};
 use crate::plausible::check_material;
 use crate::tables_present::TablesPresent;
@@ -316,18 +316,12 @@ impl Default for Brief {
 }
 
 impl Brief {
-    /// The brief, or `None` after adding its faults.
-    pub(crate) fn checked(
-        self,
-        present: TablesPresent,
-        volume: Option<&WorkingVolume>,
-        faults: &mut TableFaults,
-    ) -> Option<Brief> {
-        let before = faults.count();
+    /// Adds the faults of the brief.
+    pub(crate) fn check(&self, present: TablesPresent, volume: Option<&WorkingVolume>, faults: &mut TableFaults) {
         self.check_variables(faults);
         present.check("", true, faults);
         for (key, weight) in ["weights.r_x", "weights.r_y", "weights.s_z"].into_iter().zip(self.weights) {
-            faults.not_negative(key, weight);
+            faults.number(key, weight, NOT_NEGATIVE);
         }
         if self.weights == [0.0; 3] {
             faults.add("weights are all 0, at least one must be greater than 0");
@@ -354,7 +348,6 @@ impl Brief {
         self.check_under(present, faults);
         let rule = format_args!("must be from 1 to {MAX_STARTS}");
         faults.require((1..=MAX_STARTS).contains(&self.starts), "starts", self.starts, rule);
-        (faults.count() == before).then_some(self)
     }
 
     /// Requires errors and a goal in millimetres if the films that are made count.
@@ -391,17 +384,12 @@ impl Brief {
     }
 
     fn check_lengths(&self, faults: &mut TableFaults) {
-        let positive = [
-            ("resolution_mm", Some(self.resolution_mm)),
-            ("resolution_deg", Some(self.resolution_deg)),
-            ("step_mm", self.step_mm),
-            ("smallest_cut_mm", self.smallest_cut_mm),
-            ("amplitude.min", self.least_amplitude),
-        ];
-        for (key, value) in positive {
-            value.into_iter().for_each(|value| faults.positive(key, value));
-        }
-        faults.not_negative("gap_mm", self.gap_mm);
+        faults.number("resolution_mm", self.resolution_mm, POSITIVE);
+        faults.number("resolution_deg", self.resolution_deg, POSITIVE);
+        faults.number("step_mm", self.step_mm, POSITIVE);
+        faults.number("smallest_cut_mm", self.smallest_cut_mm, POSITIVE);
+        faults.number("amplitude.min", self.least_amplitude, POSITIVE);
+        faults.number("gap_mm", self.gap_mm, NOT_NEGATIVE);
         for (key, range) in ["x", "y"].into_iter().zip(self.outline_mm) {
             let Some([low, high]) = range else { continue };
             let is_range = low.is_finite() && high.is_finite() && low < high;
@@ -426,9 +414,7 @@ impl Brief {
                 _ => {}
             }
         }
-        if let Some(MinMax { max, .. }) = self.strength_t {
-            check_material("strength_t.max", max, faults);
-        }
+        check_material("strength_t.max", self.strength_t.map(|bounds| bounds.max), faults);
     }
 
     fn check_parts(&self, faults: &mut TableFaults) {
@@ -454,11 +440,11 @@ impl Brief {
                     part.size_mm
                 ));
             }
-            faults.finite(format_args!("stock[{index}].direction_deg"), part.direction_deg);
+            faults.number(format_args!("stock[{index}].direction_deg"), part.direction_deg, FINITE);
         }
         for (index, strength) in self.stock_strengths_t.iter().enumerate() {
             let key = format!("stock_strengths_t[{index}]");
-            faults.not_negative(&key, *strength);
+            faults.number(&key, *strength, NOT_NEGATIVE);
             check_material(&key, *strength, faults);
         }
         if !self.stock_strengths_t.is_empty() && !self.vary.strength {

@@ -11,7 +11,7 @@ use crate::written_as::{As, is_default};
 /// Smallest Poisson ratio of a stable material.
 const LEAST_POISSON_RATIO: f64 = -1.0;
 
-/// Largest one: that of a layer that keeps its volume.
+/// Largest Poisson ratio, of a layer that keeps its volume.
 const MOST_POISSON_RATIO: f64 = 0.5;
 
 /// The elastic layer between film and sensor (Dai 2024, Eqs. 16 and 17).
@@ -65,12 +65,12 @@ impl Elastomer {
         self.stiffness_n_per_mm() * displacement_mm + self.force_at_rest_n
     }
 
-    /// The layer, or `None` after adding its faults.
-    pub(crate) fn checked(self, faults: &mut TableFaults) -> Option<Elastomer> {
+    /// Adds the faults of the layer.
+    pub(crate) fn check(&self, faults: &mut TableFaults) {
         let before = faults.count();
-        faults.positive("area_mm2", self.area_mm2);
-        faults.positive("thickness_mm", self.thickness_mm);
-        faults.positive("youngs_modulus_mpa", self.youngs_modulus_mpa);
+        faults.number("area_mm2", self.area_mm2, POSITIVE);
+        faults.number("thickness_mm", self.thickness_mm, POSITIVE);
+        faults.number("youngs_modulus_mpa", self.youngs_modulus_mpa, POSITIVE);
         let is_stable = self.poisson_ratio > LEAST_POISSON_RATIO && self.poisson_ratio <= MOST_POISSON_RATIO;
         let rule = format_args!("must be above {LEAST_POISSON_RATIO} and at most {MOST_POISSON_RATIO}");
         faults.require(is_stable, "poisson_ratio", self.poisson_ratio, rule);
@@ -80,6 +80,5 @@ impl Elastomer {
         if faults.count() == before && !(stiffness.is_finite() && stiffness.cmpgt(DVec3::ZERO).all()) {
             faults.add(format!("the stiffness is {stiffness} N/mm, must be a finite number greater than 0"));
         }
-        (faults.count() == before).then_some(self)
     }
 }

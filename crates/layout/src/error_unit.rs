@@ -52,35 +52,20 @@ impl ErrorUnit {
         all.find(|written| self.read(*written) == value).unwrap_or(guess)
     }
 
-    /// The magnitude that no error exceeds, in the unit of the file. Lengths have none by
-    /// themselves.
-    pub(crate) fn largest(self) -> Option<f64> {
-        match self {
-            // Those of a range are limited by nothing.
-            ErrorUnit::Millimetre | ErrorUnit::Millitesla => None,
+    /// The rule that a magnitude in the unit of the file breaks if no error is as large, and what was
+    /// probably meant. Lengths have no such rule by themselves.
+    pub(crate) fn broken_rule(self, value: f64) -> Option<String> {
+        let (largest, meant) = match self {
+            ErrorUnit::Millimetre | ErrorUnit::Millitesla => return None,
             // An eighth of a turn: a tile that is turned further belongs elsewhere.
-            ErrorUnit::Degree => Some(45.0),
-            ErrorUnit::Fraction => Some(0.5),
+            ErrorUnit::Degree => (45.0, "an error in degrees".to_owned()),
+            ErrorUnit::Fraction => (0.5, format!("a fraction, not per cent: {}?", short(1e-2 * value))),
             // 0.1 T, as strong as the film.
-            ErrorUnit::Microtesla => Some(1e5),
+            ErrorUnit::Microtesla => (1e5, "in microtesla: the earth's field is 50".to_owned()),
             // Magnets lose their polarization below.
-            ErrorUnit::Kelvin => Some(1000.0),
-        }
-    }
-
-    /// The rule that a number above [`largest`](ErrorUnit::largest) breaks, and what was probably
-    /// meant.
-    pub(crate) fn rule(self, value: f64) -> String {
-        let largest = self.largest().unwrap_or(f64::INFINITY);
-        let meant = match self {
-            ErrorUnit::Degree => "an error in degrees".to_owned(),
-            ErrorUnit::Fraction => format!("a fraction, not per cent: {}?", short(1e-2 * value)),
-            ErrorUnit::Microtesla => "in microtesla: the earth's field is 50".to_owned(),
-            ErrorUnit::Millitesla => "in millitesla".to_owned(),
-            ErrorUnit::Kelvin => "a change in kelvin".to_owned(),
-            ErrorUnit::Millimetre => format!("mm, not um: {}?", short(1e-3 * value)),
+            ErrorUnit::Kelvin => (1000.0, "a change in kelvin".to_owned()),
         };
-        format!("must be at most {largest} ({meant})")
+        (value > largest).then(|| format!("must be at most {largest} ({meant})"))
     }
 
     /// Words for the unit.
@@ -95,7 +80,7 @@ impl ErrorUnit {
         }
     }
 
-    /// The unit that the end of the name of a column states.
+    /// The unit at the end of the name of a column.
     pub(crate) fn of_column(name: &str) -> Option<&'static str> {
         const ENDS: [(&str, &str); 11] = [
             ("_mm", "mm"),

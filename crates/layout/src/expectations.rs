@@ -11,7 +11,7 @@ use magsplice_ideal::IdealFilm;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::faults::TableFaults;
+use crate::faults::{FINITE, NOT_NEGATIVE, POSITIVE, Rule, TableFaults};
 use crate::finding::{Finding, FindingSubject};
 use crate::plausible::typed;
 use crate::tables_present::TablesPresent;
@@ -128,7 +128,7 @@ impl Expectations {
         is_default(self)
     }
 
-    /// Adds the faults of the bounds, but those of [`MadeExpectations`].
+    /// Adds the faults of all bounds outside of [`MadeExpectations`].
     pub(crate) fn check(&self, present: TablesPresent, faults: &mut TableFaults) {
         let FigureBounds { uniformity_rmse, displacement_rmse_mm, least_amplitude } = self.bounds;
         for (key, is_given, needs_ideal) in [
@@ -143,15 +143,13 @@ impl Expectations {
             }
         }
         self.bounds.check(faults);
-        if let Some(least) = self.least_clearance_mm {
-            faults.finite("clearance_mm.min", least);
-        }
+        faults.number("clearance_mm.min", self.least_clearance_mm, FINITE);
         if let Some(ExpectedField { file, within }) = &self.field {
             if file.as_os_str().is_empty() {
                 faults.add("field.file is empty, must name a CSV file");
             }
-            let rule = "must be a finite number greater than 0, a fraction of |B|";
-            faults.require(within.is_finite() && *within > 0.0, "field.within", within, rule);
+            let words = "must be a finite number greater than 0, a fraction of |B|";
+            faults.number("field.within", *within, Rule { words, ..POSITIVE });
             let rule = format_args!("must be less than {MOST_DIFFERENT}, a fraction of |B| that no field exceeds");
             faults.require(!(*within >= MOST_DIFFERENT && within.is_finite()), "field.within", within, rule);
         }
@@ -198,10 +196,9 @@ impl FigureBounds {
 
     fn check(&self, faults: &mut TableFaults) {
         for figure in Figure::ALL {
-            match (figure, self.get(figure)) {
-                (Figure::Amplitude, Some(least)) => faults.finite("amplitude.min", least),
-                (_, Some(most)) => faults.not_negative(figure.key(), most),
-                _ => {}
+            match figure {
+                Figure::Amplitude => faults.number("amplitude.min", self.least_amplitude, FINITE),
+                _ => faults.number(figure.key(), self.get(figure), NOT_NEGATIVE),
             }
         }
     }
@@ -267,9 +264,7 @@ impl MadeExpectations {
         };
         let rule = format_args!("must be greater than 0 and less than 1{meant}");
         faults.require(*confidence > 0.0 && *confidence < 1.0, "confidence", confidence, rule);
-        if let Some(samples) = samples {
-            faults.sample_count(*samples);
-        }
+        faults.sample_count(*samples);
         bounds.check(faults);
     }
 }

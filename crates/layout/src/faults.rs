@@ -96,22 +96,26 @@ impl TableFaults<'_, '_> {
         }
     }
 
-    pub(crate) fn positive(&mut self, key: impl Display, value: f64) {
-        self.require(value.is_finite() && value > 0.0, key, value, "must be a finite number greater than 0");
+    /// Adds a fault unless a rule about the number of a key is kept, or the key is not given.
+    pub(crate) fn number(&mut self, key: impl Display, value: impl Into<Option<f64>>, rule: Rule) {
+        if let Some(value) = value.into() {
+            self.require((rule.is_kept)(value), key, value, rule.words);
+        }
     }
 
-    pub(crate) fn not_negative(&mut self, key: impl Display, value: f64) {
-        self.require(value.is_finite() && value >= 0.0, key, value, "must be a finite number of at least 0");
+    /// Checks each number of a list.
+    pub(crate) fn numbers(&mut self, key: impl Display, values: &[f64], rule: Rule) {
+        for (index, value) in values.iter().enumerate() {
+            self.number(format_args!("{key}[{index}]"), *value, rule);
+        }
     }
 
-    pub(crate) fn finite(&mut self, key: impl Display, value: f64) {
-        self.require(value.is_finite(), key, value, "must be a finite number");
-    }
-
-    /// Requires the coordinates of a point.
-    pub(crate) fn point(&mut self, key: impl Display, point: [f64; 3]) {
-        let is_kept = point.iter().all(|c| c.abs() <= MAX_LENGTH);
-        self.require(is_kept, key, format_args!("{point:?}"), "must be three finite numbers");
+    /// Requires the coordinates of a point, if it is given.
+    pub(crate) fn point(&mut self, key: impl Display, point: impl Into<Option<[f64; 3]>>) {
+        if let Some(point) = point.into() {
+            let is_kept = point.iter().all(|c| c.abs() <= MAX_LENGTH);
+            self.require(is_kept, key, format_args!("{point:?}"), "must be three finite numbers");
+        }
     }
 
     /// The one of these forms that a value gives, or `None` after adding a fault.
@@ -126,8 +130,9 @@ impl TableFaults<'_, '_> {
         Some(only)
     }
 
-    /// Requires a number of samples that can be evaluated.
-    pub(crate) fn sample_count(&mut self, samples: u64) {
+    /// Requires a number of samples that can be evaluated, if it is given.
+    pub(crate) fn sample_count(&mut self, samples: Option<u64>) {
+        let Some(samples) = samples else { return };
         let rule = format_args!("must be from {} to {}", SAMPLE_COUNTS.start(), SAMPLE_COUNTS.end());
         self.require(SAMPLE_COUNTS.contains(&samples), "samples", samples, rule);
     }
@@ -138,9 +143,15 @@ impl TableFaults<'_, '_> {
     }
 }
 
-/// A rule for the value of a key.
-pub(crate) type Rule = fn(&mut TableFaults, &str, f64);
+/// A rule about the number of a key.
+#[derive(Clone, Copy)]
+pub(crate) struct Rule {
+    pub(crate) is_kept: fn(f64) -> bool,
+    pub(crate) words: &'static str,
+}
 
-pub(crate) const POSITIVE: Rule = |faults, key, value| faults.positive(key, value);
-pub(crate) const NOT_NEGATIVE: Rule = |faults, key, value| faults.not_negative(key, value);
-pub(crate) const FINITE: Rule = |faults, key, value| faults.finite(key, value);
+pub(crate) const POSITIVE: Rule =
+    Rule { is_kept: |value| value.is_finite() && value > 0.0, words: "must be a finite number greater than 0" };
+pub(crate) const NOT_NEGATIVE: Rule =
+    Rule { is_kept: |value| value.is_finite() && value >= 0.0, words: "must be a finite number of at least 0" };
+pub(crate) const FINITE: Rule = Rule { is_kept: f64::is_finite, words: "must be a finite number" };

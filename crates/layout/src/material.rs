@@ -7,7 +7,7 @@ use magsplice_magnet::{MAX_PERMEABILITY, Permeability};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::faults::TableFaults;
+use crate::faults::{FINITE, POSITIVE, TableFaults};
 use crate::finding::FindingSubject;
 use crate::plausible::short;
 
@@ -21,7 +21,7 @@ const RECOIL_ERROR: f64 = 0.3;
 /// most, has 0.002.
 const MOST_PER_KELVIN: f64 = 0.02;
 
-/// Largest recoil permeability that a magnet has: that of Alnico. Rare-earth magnets, bonded or
+/// Largest recoil permeability of a magnet, which Alnico has. Rare-earth magnets, bonded or
 /// sintered, and ferrite have 1.03 to 1.2.
 const MOST_OF_MAGNETS: f64 = 6.0;
 
@@ -111,12 +111,8 @@ impl MaterialTable {
         let is_kept = (LEAST_RECOIL_ERROR..1.0).contains(&recoil_error);
         let rule = format_args!("must be at least {LEAST_RECOIL_ERROR} and below 1");
         faults.require(is_kept, "recoil_error", recoil_error, rule);
-        if let Some(knee_field_t) = self.knee_field_t {
-            faults.positive("knee_field_t", knee_field_t);
-        }
-        if let Some(per_k) = self.strength_per_k {
-            check_strength_per_k(per_k, faults);
-        }
+        faults.number("knee_field_t", self.knee_field_t, POSITIVE);
+        check_strength_per_k(self.strength_per_k, faults);
         Material { permeability, recoil_error, knee_field_t: self.knee_field_t, strength_per_k: self.strength_per_k }
     }
 
@@ -172,9 +168,10 @@ impl From<Permeability> for RecoilPermeability {
     }
 }
 
-/// Requires a relative change of the strength per kelvin that a magnet can have.
-pub(crate) fn check_strength_per_k(per_k: f64, faults: &mut TableFaults) {
-    faults.finite("strength_per_k", per_k);
+/// Requires a relative change of the strength per kelvin that a magnet can have, if it is given.
+pub(crate) fn check_strength_per_k(per_k: Option<f64>, faults: &mut TableFaults) {
+    faults.number("strength_per_k", per_k, FINITE);
+    let Some(per_k) = per_k else { return };
     let rule = format_args!(
         "must be from -{MOST_PER_KELVIN} to {MOST_PER_KELVIN} (a fraction, not per cent: {}?)",
         short(1e-2 * per_k)

@@ -22,10 +22,8 @@ impl OneOrThree {
     /// Requires a rule of each number.
     pub(crate) fn check(self, key: &str, rule: Rule, faults: &mut TableFaults) {
         match self {
-            OneOrThree::Same(value) => rule(faults, key, value),
-            OneOrThree::Each(values) => {
-                (0..3).for_each(|axis| rule(faults, &format!("{key}[{axis}]"), values[axis]));
-            }
+            OneOrThree::Same(value) => faults.number(key, value, rule),
+            OneOrThree::Each(values) => faults.numbers(key, &values, rule),
         }
     }
 }

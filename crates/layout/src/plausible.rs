@@ -8,7 +8,7 @@
 use glam::DVec3;
 use magsplice_magnet::MU_0;
 
-use crate::faults::TableFaults;
+use crate::faults::{NOT_NEGATIVE, Rule, TableFaults};
 
 /// Polarization in T above which no permanent magnet exists. Nd2Fe14B, the strongest material, has
 /// a saturation polarization of 1.6 T; magnets of it reach 1.5 T.
@@ -74,16 +74,15 @@ pub fn meant_length(value_mm: f64) -> String {
 
 /// Requires a magnitude of the polarization that is finite, not negative, and that a material has.
 pub(crate) fn check_strength(strength_t: Option<f64>, faults: &mut TableFaults) {
-    let Some(strength) = strength_t else { return };
-    let rule = "must be a finite number of at least 0 (reverse the direction instead)";
-    faults.require(strength.is_finite() && strength >= 0.0, "strength_t", strength, rule);
-    check_material("strength_t", strength, faults);
+    let words = "must be a finite number of at least 0 (reverse the direction instead)";
+    faults.number("strength_t", strength_t, Rule { words, ..NOT_NEGATIVE });
+    check_material("strength_t", strength_t, faults);
 }
 
-/// Requires a magnitude that a material has. Numbers that are not finite are matters of other
-/// rules.
-pub(crate) fn check_material(key: &str, value_t: f64, faults: &mut TableFaults) {
-    if is_beyond(value_t) {
+/// Requires a magnitude that a material has, if it is given. Numbers that are not finite are
+/// matters of other rules.
+pub(crate) fn check_material(key: &str, value_t: impl Into<Option<f64>>, faults: &mut TableFaults) {
+    if let Some(value_t) = value_t.into().filter(|value_t| is_beyond(*value_t)) {
         faults.add(format!("{key} = {value_t}, {}", rule(value_t)));
     }
 }
@@ -118,8 +117,8 @@ fn rule(magnitude_t: f64) -> String {
     format!("must be at most {STRONGEST_MATERIAL_T} T, more than any material has; {meant}")
 }
 
-/// The finding about a magnitude that a material has, but no permanent magnet. `subject` names what
-/// has it.
+/// The finding about a magnitude that a material has, but no permanent magnet. The message begins
+/// with `subject`.
 pub(crate) fn doubt(subject: &str, magnitude_t: f64) -> Option<String> {
     (magnitude_t.abs() > STRONGEST_MAGNET_T).then(|| {
         format!("{subject} of {magnitude_t} T is above {STRONGEST_MAGNET_T} T, more than any permanent magnet has")

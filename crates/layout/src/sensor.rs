@@ -1,7 +1,5 @@
 //! `[sensor]`: the three-axis Hall sensor below the film.
 
-use std::collections::BTreeMap;
-
 use glam::{DQuat, DVec3};
 use magsplice_magnet::{Axis, HallSensor};
 use schemars::JsonSchema;
@@ -82,9 +80,8 @@ type AxisKey<'k> = (&'static str, ErrorUnit, Rule, &'k mut Option<OneOrThree>, &
 /// Number of the first keys for which parts have numbers of their own.
 const OF_PARTS: usize = 3;
 
-const NOT_ZERO: Rule = |faults, key, gain| {
-    faults.require(gain.is_finite() && gain != 0.0, key, gain, "must be a finite number other than 0");
-};
+const NOT_ZERO: Rule =
+    Rule { is_kept: |gain| gain.is_finite() && gain != 0.0, words: "must be a finite number other than 0" };
 
 impl SensorTable {
     fn keys<'k>(&'k mut self, element: &'k mut HallSensor) -> [AxisKey<'k>; 5] {
@@ -118,13 +115,9 @@ impl SensorTable {
         }
         element.plates = plates.map(DVec3::from);
         element.active_area = self.active_area_mm.unwrap_or(element.active_area);
-        for (axis, side) in element.active_area.into_iter().enumerate() {
-            faults.not_negative(format!("active_area_mm[{axis}]"), side);
-        }
+        faults.numbers("active_area_mm", &element.active_area, NOT_NEGATIVE);
         let rate_hz = self.rate_hz.or(part.rate_hz);
-        if let Some(rate_hz) = rate_hz {
-            faults.positive("rate_hz", rate_hz);
-        }
+        faults.number("rate_hz", rate_hz, POSITIVE);
         let rotation = self.rotation.and_then(|table| table.resolve(faults));
         if faults.count() > before {
             return None;
@@ -160,16 +153,13 @@ impl From<&StatedSensor> for SensorTable {
 
 /// The numbers of a part by its name, or none after adding a fault.
 fn part(name: &str, faults: &mut TableFaults) -> SensorTable {
-    let mut parts = parts();
-    parts.remove(name).unwrap_or_else(|| {
-        let known: Vec<String> = parts.into_keys().collect();
-        faults.add(format!("part = \"{}\", must be one of: {}; or leave it out", shown(name), known.join(", ")));
-        SensorTable::default()
-    })
-}
-
-fn parts() -> BTreeMap<String, SensorTable> {
-    PARTS.parse::<Table>().and_then(Table::try_into).expect("the list of parts is TOML")
+    let mut parts: Table = PARTS.parse().expect("the list of parts is TOML");
+    if let Some(part) = parts.remove(name) {
+        return part.try_into().expect("a part is a table of a sensor");
+    }
+    let known: Vec<&str> = parts.keys().map(String::as_str).collect();
+    faults.add(format!("part = \"{}\", must be one of: {}; or leave it out", shown(name), known.join(", ")));
+    SensorTable::default()
 }
 
 #[cfg(test)]
@@ -178,9 +168,10 @@ mod tests {
 
     #[test]
     fn every_part_obeys_the_rules() {
-        let parts = parts();
+        let parts: Table = PARTS.parse().unwrap();
         assert_eq!(parts.len(), 4);
-        for part in parts.values() {
+        for (_, part) in parts {
+            let part: SensorTable = part.try_into().unwrap();
             let all = [part.noise_ut, part.count_ut, part.range_mt].map(|numbers| DVec3::from(numbers.unwrap()));
             assert!(all.iter().all(|values| values.cmpgt(DVec3::ZERO).all()) && part.rate_hz > Some(0.0));
             // A count is finer than the range by more than ten bits.

@@ -94,9 +94,7 @@ impl VolumeTable {
             check_range(key, range, faults);
         }
         self.step_mm.check("step_mm", POSITIVE, faults);
-        if let Some(reference) = self.reference_mm {
-            faults.point("reference_mm", reference);
-        }
+        faults.point("reference_mm", self.reference_mm);
         if faults.count() > before {
             return None;
         }

@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use crate::error::{LayoutError, LayoutFault};
 use crate::expectations::about_amplitude;
-use crate::faults::Faults;
+use crate::faults::{Faults, NOT_NEGATIVE};
 use crate::file::LayoutFile;
 use crate::file::text;
 use crate::files::{Source, bytes, regular_bytes};
@@ -56,7 +56,7 @@ impl Layout {
         parse_from(&text, &origin, &Source::of_file(path))
     }
 
-    /// The layout in `text`. `origin` names the source of the text in errors. If it is the path of
+    /// The layout in `text`. `origin` is the source of the text in errors. If it is the path of
     /// a file, then paths in the text are relative to the folder of this file, else to the working
     /// folder.
     ///
@@ -100,7 +100,7 @@ impl Layout {
     /// errors.
     ///
     /// # Errors
-    /// [`LayoutError::Invalid`] with every broken rule. The lines of faults are those of
+    /// [`LayoutError::Invalid`] with every broken rule. Faults have the lines of
     /// [`Layout::to_toml`].
     ///
     /// # Example
@@ -161,7 +161,7 @@ fn resolve(file: LayoutFile, place: &Place, text: &str, source: &Source) -> Resu
     faults.at(at("format"), "layout").require(file.format == FORMAT, "format", file.format, rule);
     check_name("name", &file.name, &mut faults.at(0, "layout"));
     let overlap_mm = file.overlap_mm.unwrap_or(0.0);
-    faults.at(0, "layout").not_negative("overlap_mm", overlap_mm);
+    faults.at(0, "layout").number("overlap_mm", overlap_mm, NOT_NEGATIVE);
     let present = TablesPresent {
         ideal: file.ideal.is_some(),
         volume: file.volume.is_some(),
@@ -175,9 +175,9 @@ fn resolve(file: LayoutFile, place: &Place, text: &str, source: &Source) -> Resu
     }
     expectations.check(present, &mut faults.at(at("expect"), "expect"));
     let brief =
-        file.design.and_then(|brief| brief.checked(present, volume.as_ref(), &mut faults.at(at("design"), "design")));
+        file.design.inspect(|brief| brief.check(present, volume.as_ref(), &mut faults.at(at("design"), "design")));
     let sensor = file.sensor.and_then(|table| table.resolve(&mut faults.at(at("sensor"), "sensor")));
-    let elastomer = file.elastomer.and_then(|layer| layer.checked(&mut faults.at(at("elastomer"), "elastomer")));
+    let elastomer = file.elastomer.inspect(|layer| layer.check(&mut faults.at(at("elastomer"), "elastomer")));
     let material = file.material.map(|table| table.resolve(&mut faults.at(at("material"), "material")));
     let material = material.unwrap_or_default();
     let before_tiles = faults.count();

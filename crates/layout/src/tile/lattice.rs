@@ -9,7 +9,7 @@ use glam::DVec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::faults::TableFaults;
+use crate::faults::{FINITE, NOT_NEGATIVE, POSITIVE, TableFaults};
 use crate::layout::NamedTile;
 use crate::material::RecoilPermeability;
 use crate::plausible::{check_component, check_material};
@@ -61,15 +61,25 @@ impl LatticeTable {
     pub(crate) fn resolve(&self, name: &str, room: &mut Room, faults: &mut TableFaults) -> Option<Vec<NamedTile>> {
         let (sections_x, sections_y) = (&self.x, self.y.as_ref().unwrap_or(&self.x));
         let before = faults.count();
-        let magnitude = self.magnitude(faults)?;
+        let (key, factor_t) = match (self.strength_t, self.component_t) {
+            (Some(strength), None) => ("strength_t", strength),
+            (None, Some(component)) => ("component_t", component),
+            _ => {
+                let rule = "must give one of strength_t (|J| of every tile) and component_t (factor of the pattern)";
+                return faults.refuse(rule);
+            }
+        };
+        faults.number(key, factor_t, NOT_NEGATIVE);
+        match self.strength_t {
+            Some(strength) => check_material(key, strength, faults),
+            None => check_component(factor_t, largest(sections_x).hypot(largest(sections_y)), faults),
+        }
         check_sections("x", &self.x, faults);
         if let Some(y) = &self.y {
             check_sections("y", y, faults);
         }
         let permeability = self.recoil_permeability.and_then(|written| written.resolve(faults));
-        for axis in 0..2 {
-            faults.finite(format_args!("start_mm[{axis}]"), self.start_mm[axis]);
-        }
+        faults.numbers("start_mm", &self.start_mm[..2], FINITE);
         faults.require(self.height_mm > 0.0, "height_mm", self.height_mm, "must be greater than 0");
         if faults.count() > before {
             return None;
@@ -92,13 +102,14 @@ impl LatticeTable {
                 if pattern == DVec3::ZERO {
                     continue;
                 }
-                let polarization = match magnitude {
-                    Magnitude::Strength(strength) => (pattern / pattern.abs().max_element()).normalize() * strength,
-                    Magnitude::Component(component) => pattern * component,
+                // With strength_t the pattern gives the direction only.
+                let direction = match self.strength_t {
+                    Some(_) => (pattern / pattern.abs().max_element()).normalize(),
+                    None => pattern,
                 };
                 let position = DVec3::new(column.centre, row.centre, z);
                 let size = DVec3::new(column.width, row.width, self.height_mm);
-                let tile = checked_tile(position, size, polarization, faults)?;
+                let tile = checked_tile(position, size, direction * factor_t, faults)?;
                 tiles.push(NamedTile {
                     name: format!("{name}-x{}-y{}", i + 1, j + 1),
                     kind: None,
@@ -110,38 +121,10 @@ impl LatticeTable {
         }
         Some(tiles)
     }
-
-    fn magnitude(&self, faults: &mut TableFaults) -> Option<Magnitude> {
-        match (self.strength_t, self.component_t) {
-            (Some(strength), None) => {
-                faults.not_negative("strength_t", strength);
-                check_material("strength_t", strength, faults);
-                Some(Magnitude::Strength(strength))
-            }
-            (None, Some(component)) => {
-                faults.not_negative("component_t", component);
-                let [x, y] = [&self.x, self.y.as_ref().unwrap_or(&self.x)].map(|sections| largest_pattern(sections));
-                check_component(component, x.hypot(y), faults);
-                Some(Magnitude::Component(component))
-            }
-            _ => {
-                faults.refuse("must give one of strength_t (|J| of every tile) and component_t (factor of the pattern)")
-            }
-        }
-    }
-}
-
-/// How the pattern of a cell becomes its polarization, in tesla.
-#[derive(Clone, Copy)]
-enum Magnitude {
-    /// |J|, the same in every tile. The pattern gives the direction only.
-    Strength(f64),
-    /// Factor of the pattern.
-    Component(f64),
 }
 
 /// The largest absolute value in the patterns of an axis.
-fn largest_pattern(sections: &[LatticeSection]) -> f64 {
+fn largest(sections: &[LatticeSection]) -> f64 {
     sections.iter().flat_map(|section| &section.pattern).fold(0.0, |largest: f64, value| largest.max(value.abs()))
 }
 
@@ -154,12 +137,8 @@ fn check_sections(axis: &str, sections: &[LatticeSection], faults: &mut TableFau
                 "{key} has {widths} widths_mm and {pattern} pattern entries, must have the same number of both"
             ));
         }
-        for (n, width) in section.widths_mm.iter().enumerate() {
-            faults.positive(format_args!("{key}.widths_mm[{n}]"), *width);
-        }
-        for (n, pattern) in section.pattern.iter().enumerate() {
-            faults.finite(format_args!("{key}.pattern[{n}]"), *pattern);
-        }
+        faults.numbers(format_args!("{key}.widths_mm"), &section.widths_mm, POSITIVE);
+        faults.numbers(format_args!("{key}.pattern"), &section.pattern, FINITE);
         if widths == 0 {
             faults.add(format!("{key} has no widths_mm, must have at least one interval"));
         }
@@ -186,35 +165,19 @@ fn count(sections: &[LatticeSection]) -> usize {
 }
 
 /// All intervals along one axis, sections repeated, from `start` on.
+///
+/// The sum of the widths is compensated (Neumaier 1974), so that decimal widths add up to the
+/// decimal cut.
 fn intervals(sections: &[LatticeSection], start: f64) -> Vec<Interval> {
-    let mut cut = CutLine { at: start, carry: 0.0 };
     let repeated = sections.iter().flat_map(|section| repeat_n(section, section.times.unwrap_or(1)));
     let entries = repeated.flat_map(|section| section.widths_mm.iter().zip(&section.pattern));
-    entries
-        .map(|(&width, &pattern)| {
-            let low = cut.value();
-            cut.advance(width);
-            Interval { centre: 0.5 * (low + cut.value()), width, pattern }
-        })
-        .collect()
-}
-
-/// A cut line reached by adding widths. The sum is compensated (Neumaier 1974), so that decimal
-/// widths add up to the decimal cut.
-struct CutLine {
-    at: f64,
-    carry: f64,
-}
-
-impl CutLine {
-    fn value(&self) -> f64 {
-        self.at + self.carry
-    }
-
-    fn advance(&mut self, width: f64) {
-        let next = self.at + width;
-        let width_part = next - self.at;
-        self.carry += (self.at - (next - width_part)) + (width - width_part);
-        self.at = next;
-    }
+    let (mut at, mut carry) = (start, 0.0);
+    let interval = |(&width, &pattern): (&f64, &f64)| {
+        let (low, next) = (at + carry, at + width);
+        let width_part = next - at;
+        carry += (at - (next - width_part)) + (width - width_part);
+        at = next;
+        Interval { centre: 0.5 * (low + (at + carry)), width, pattern }
+    };
+    entries.map(interval).collect()
 }

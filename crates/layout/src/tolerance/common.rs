@@ -1,4 +1,4 @@
-//! Errors that all tiles share, and those of the surroundings and of the sensor.
+//! Errors that all tiles share, and errors of the surroundings and of the sensor.
 
 // Descriptions of the JSON Schema, which are no links, write tables in brackets.
 #![allow(rustdoc::broken_intra_doc_links)]
@@ -144,9 +144,7 @@ impl TemperatureTable {
     /// The change, after adding faults. `of_material` is the change of strength that the material
     /// states.
     pub(crate) fn resolve(&self, of_material: Option<f64>, at: &mut ErrorTable) -> Temperature {
-        if let Some(per_k) = self.strength_per_k {
-            check_strength_per_k(per_k, &mut at.faults);
-        }
+        check_strength_per_k(self.strength_per_k, &mut at.faults);
         let stated = self.strength_per_k.or(of_material);
         if stated.is_none() {
             at.faults.add("has no strength_per_k, and [material] has none either: give one of them");

@@ -70,7 +70,7 @@ pub(crate) struct TileErrorsTable {
     errors: ErrorKeys,
 }
 
-/// Reads the tiles of a neighbour's layout at a path, or says why there are none.
+/// Reads the tiles of a neighbour's layout at a path, or reports why there are none.
 pub(crate) type ReadTiles<'r> = &'r dyn Fn(&str) -> Result<Vec<NamedTile>, String>;
 
 /// What `[tolerance]` refers to in its layout.
@@ -103,8 +103,7 @@ impl ToleranceTable {
             return own.refuse(format!("the layout has {count} tiles, {rule}"));
         }
         let defaults = FilmTolerance::default();
-        let samples = self.samples.unwrap_or(defaults.samples);
-        own.sample_count(samples);
+        own.sample_count(self.samples);
         let mut tables = ErrorTables { place, tabulated: Tabulated::new(folder.to_owned()), faults };
         let mut selection = Selection::new(tiles, kinds.into_iter(), is_complete);
         let of_tiles = self.tile_errors(&mut selection, &mut tables);
@@ -120,7 +119,7 @@ impl ToleranceTable {
         }
         let (film, sensor) = (film.unwrap_or_default(), sensor.unwrap_or_default());
         let common = CommonErrors { film, stray_field, neighbour, temperature, sensor };
-        let seed = self.seed.unwrap_or(defaults.seed);
+        let (samples, seed) = (self.samples.unwrap_or(defaults.samples), self.seed.unwrap_or(defaults.seed));
         let found = FilmTolerance { tiles: of_tiles, groups, common, samples, seed };
         remark(&found, present, faults);
         Some(found)
@@ -153,7 +152,7 @@ impl ToleranceTable {
         if tiles.iter().any(has_errors) { tiles } else { Vec::new() }
     }
 
-    /// The table of tolerances. `names` are those of the tiles, in the order of the errors.
+    /// The table of tolerances. `names` are the names of the tiles, in the order of the errors.
     pub(crate) fn of(tolerance: &FilmTolerance, names: &[&str]) -> ToleranceTable {
         let FilmTolerance { tiles, groups, common, samples, seed } = tolerance;
         let (errors, others) = ErrorKeys::of_tiles(tiles);
@@ -186,7 +185,7 @@ fn longest_side(tiles: &[NamedTile]) -> Option<f64> {
     (!ends.is_empty()).then(|| 2.0 * BoundingBox::from_points(&ends).half_size().max_element())
 }
 
-/// Findings about tolerances without effect, and about those that nothing evaluates.
+/// Findings about tolerances without effect, and about tolerances that nothing evaluates.
 fn remark(found: &FilmTolerance, present: TablesPresent, faults: &mut Faults) {
     let mut add = |message: String| faults.findings.push(Finding::new(FindingSubject::Tolerance, message));
     if found.tiles.is_empty() && found.groups.is_empty() && found.common == CommonErrors::default() {

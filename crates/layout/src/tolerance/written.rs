@@ -6,7 +6,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
 
 use crate::error_unit::ErrorUnit;
-use crate::faults::TableFaults;
+use crate::faults::{FINITE, NOT_NEGATIVE, POSITIVE, Rule};
 use crate::limits::MAX_TABULATED_IN_ALL;
 use crate::tolerance::distribution::Distribution;
 use crate::tolerance::tabulated::{ErrorTable, tabulated};
@@ -153,7 +153,7 @@ impl WrittenDistribution {
         let before = at.faults.count();
         let found = match self {
             WrittenDistribution::Deviation(deviation) => {
-                check_deviation(key, *deviation, &mut at.faults);
+                at.faults.number(key, *deviation, DEVIATION);
                 Some(Distribution::Normal { deviation: *deviation })
             }
             WrittenDistribution::Table(table) => table.resolve(key, unit, at),
@@ -167,8 +167,8 @@ impl WrittenDistribution {
             }
             _ => (found.map(|value| unit.read(value)).simplified(), found.largest()),
         };
-        if unit.largest().is_some_and(|most| largest > most) {
-            at.faults.require(false, key, largest, unit.rule(largest));
+        if let Some(rule) = unit.broken_rule(largest) {
+            at.faults.require(false, key, largest, rule);
             return Distribution::NONE;
         }
         if !at.tabulated.count([&found], 1) {
@@ -217,9 +217,9 @@ impl DistributionTable {
         }
         match (normal, uniform, fixed, file, values) {
             (Some(deviation), ..) => {
-                check_deviation(&format!("{key}.normal"), *deviation, &mut at.faults);
+                at.faults.number(format_args!("{key}.normal"), *deviation, DEVIATION);
                 let Some(limit) = *within else { return Some(Distribution::Normal { deviation: *deviation }) };
-                at.faults.positive(format_args!("{key}.within"), limit);
+                at.faults.number(format_args!("{key}.within"), limit, POSITIVE);
                 if limit > 0.0 && limit < LEAST_LIMIT * deviation {
                     at.faults.add(format!(
                         "{key}.within = {limit}, must be at least a hundredth of normal = {deviation}: write {{ uniform = {limit} }}"
@@ -228,13 +228,11 @@ impl DistributionTable {
                 Some(Distribution::Truncated { deviation: *deviation, limit })
             }
             (_, Some(half_width), ..) => {
-                let rule = "must be a finite number of at least 0, the largest magnitude";
-                let is_kept = half_width.is_finite() && *half_width >= 0.0;
-                at.faults.require(is_kept, format_args!("{key}.uniform"), half_width, rule);
+                at.faults.number(format_args!("{key}.uniform"), *half_width, MAGNITUDE);
                 Some(Distribution::Uniform { half_width: *half_width })
             }
             (_, _, Some(value), ..) => {
-                at.faults.finite(format_args!("{key}.fixed"), *value);
+                at.faults.number(format_args!("{key}.fixed"), *value, FINITE);
                 Some(Distribution::Fixed(*value))
             }
             (.., Some(file), _) => {
@@ -250,10 +248,8 @@ impl DistributionTable {
     }
 }
 
-fn check_deviation(key: &str, deviation: f64, faults: &mut TableFaults) {
-    let rule = "must be a finite number of at least 0, a standard deviation";
-    faults.require(deviation.is_finite() && deviation >= 0.0, key, deviation, rule);
-}
+const DEVIATION: Rule = Rule { words: "must be a finite number of at least 0, a standard deviation", ..NOT_NEGATIVE };
+const MAGNITUDE: Rule = Rule { words: "must be a finite number of at least 0, the largest magnitude", ..NOT_NEGATIVE };
 
 /// The rule that limits tabulated values in all.
 pub(crate) fn too_many_values(key: &str) -> String {
