@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use magsplice_layout::{Brief, Goal};
+use magsplice_layout::{Brief, Goal, Variable};
 
 use crate::error::DesignError;
 use crate::parts::merging;
@@ -101,8 +101,9 @@ impl DesignProblem<'_> {
     }
 
     fn front_of_parts(&self, watch: &Watch) -> Result<Vec<SearchResult>, DesignError> {
-        let vary = self.brief.vary;
-        if !(vary.size && vary.position) || vary.tilt || watch.is_stopped() {
+        let varies = |variable| self.brief.varies(variable);
+        let exchanges = varies(Variable::Size) && varies(Variable::Position) && !varies(Variable::Tilt);
+        if !exchanges || watch.is_stopped() {
             return Ok(Vec::new());
         }
         let mut problem = self.clone();

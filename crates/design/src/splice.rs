@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 use magsplice_ideal::IdealFilm;
 use magsplice_layout::{
-    Brief, Goal, Layout, LayoutError, LayoutFault, MAX_LENGTH_RATIO, NamedTile, SHORTEST_WAVELENGTH_MM,
-    STRONGEST_MAGNET_T, Symmetry, Variables, WorkingVolume,
+    Brief, Goal, Layout, LayoutError, LayoutFault, MAX_LENGTH_RATIO, NamedTile, Outline, SHORTEST_WAVELENGTH_MM,
+    STRONGEST_MAGNET_T, Symmetry, Variable, WorkingVolume,
 };
 use magsplice_magnet::Tile;
 
@@ -133,10 +133,11 @@ impl SpliceRequest {
 
     fn brief(&self) -> Brief {
         let square = self.film_mm[0] == self.film_mm[1] && self.range_mm[0] == self.range_mm[1];
+        let [x, y] = self.film_mm.map(|extent| Some([-0.5 * extent, 0.5 * extent]));
         Brief {
-            vary: Variables { size: true, position: true, direction: true, ..Variables::default() },
+            vary: [Variable::Size, Variable::Position, Variable::Direction].into(),
             symmetry: if square { Symmetry::FourFold } else { Symmetry::Mirror },
-            outline_mm: self.film_mm.map(|extent| Some([-0.5 * extent, 0.5 * extent])),
+            outline_mm: Outline { x, y },
             smallest_cut_mm: Some(self.smallest_cut_mm),
             ..self.brief.clone()
         }

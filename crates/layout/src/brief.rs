@@ -3,6 +3,8 @@
 // Descriptions of the JSON Schema, which are no links, write tables in brackets.
 #![allow(rustdoc::broken_intra_doc_links)]
 
+use std::collections::BTreeSet;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -20,10 +22,10 @@ use crate::written_as::{As, is_default};
 ///
 /// # Example
 /// ```
-/// use magsplice_layout::{Brief, Goal, Variables};
+/// use magsplice_layout::{Brief, Goal, Variable};
 ///
 /// let brief = Brief {
-///     vary: Variables { size: true, position: true, ..Variables::default() },
+///     vary: [Variable::Size, Variable::Position].into(),
 ///     goal: Goal::Displacement,
 ///     least_amplitude: Some(0.65),
 ///     ..Brief::default()
@@ -39,9 +41,8 @@ use crate::written_as::{As, is_default};
 )]
 pub struct Brief {
     /// The properties of the tiles that may change.
-    #[serde(with = "As::<Vec<Variable>>")]
     #[schemars(with = "Vec<Variable>", extend("example" = "[\"size\", \"position\", \"direction\"]"))]
-    pub vary: Variables,
+    pub vary: BTreeSet<Variable>,
     /// The symmetry that the film has and keeps. Default: none.
     pub symmetry: Symmetry,
     /// The error that the search minimizes. Default: uniformity.
@@ -61,9 +62,9 @@ pub struct Brief {
     pub least_amplitude: Option<f64>,
     /// Lower and upper ends along x and y that the tiles must stay within, in mm. Default: their
     /// own extent.
-    #[serde(skip_serializing_if = "is_default", with = "As::<Outline>")]
+    #[serde(skip_serializing_if = "is_default")]
     #[schemars(with = "Option<Outline>", extend("example" = "{ x = [-10.0, 10.0], y = [-10.0, 10.0] }"))]
-    pub outline_mm: [Option<[f64; 2]>; 2],
+    pub outline_mm: Outline,
     /// Shortest side of a tile along x and y, in mm. Default: the shortest side in the layout.
     pub smallest_cut_mm: Option<f64>,
     /// Smallest distance between neighbouring tiles, in mm. Default: 0.
@@ -99,30 +100,10 @@ pub struct Brief {
     pub seed: u64,
 }
 
-/// The properties of the tiles that a search may change.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Variables {
-    /// Sides along x and y, about the tile's centre.
-    pub size: bool,
-    /// Centres along x and y.
-    pub position: bool,
-    /// Cuts: lines parallel to x or y on which faces of tiles lie. All faces on a line move
-    /// together.
-    pub cut: bool,
-    /// Upper faces. All faces at the same height move together.
-    pub thickness: bool,
-    /// Angle of the polarization in the plane of the film.
-    pub direction: bool,
-    /// Angle of the polarization out of the plane of the film.
-    pub tilt: bool,
-    /// Magnitude of the polarization.
-    pub strength: bool,
-}
-
 /// A property of the tiles that may change.
-#[derive(Clone, Copy, Deserialize, JsonSchema, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Deserialize, Eq, JsonSchema, Ord, PartialEq, PartialOrd, Serialize)]
 #[serde(rename_all = "lowercase")]
-enum Variable {
+pub enum Variable {
     /// Sides along x and y, about the tile's centre.
     Size,
     /// Centres along x and y.
@@ -138,34 +119,6 @@ enum Variable {
     Tilt,
     /// Magnitude of the polarization.
     Strength,
-}
-
-impl Variables {
-    fn each(&mut self) -> [(Variable, &mut bool); 7] {
-        [
-            (Variable::Size, &mut self.size),
-            (Variable::Position, &mut self.position),
-            (Variable::Cut, &mut self.cut),
-            (Variable::Thickness, &mut self.thickness),
-            (Variable::Direction, &mut self.direction),
-            (Variable::Tilt, &mut self.tilt),
-            (Variable::Strength, &mut self.strength),
-        ]
-    }
-}
-
-impl From<Vec<Variable>> for Variables {
-    fn from(names: Vec<Variable>) -> Variables {
-        let mut vary = Variables::default();
-        vary.each().into_iter().for_each(|(variable, varies)| *varies = names.contains(&variable));
-        vary
-    }
-}
-
-impl From<Variables> for Vec<Variable> {
-    fn from(mut vary: Variables) -> Vec<Variable> {
-        vary.each().into_iter().filter(|(_, varies)| **varies).map(|(variable, _)| variable).collect()
-    }
 }
 
 /// A symmetry of the film. The polarization is mapped like arrows drawn on the tiles, as the
@@ -230,14 +183,14 @@ struct Weights {
 }
 
 /// A rectangle, unbounded along an axis that is not given.
-#[derive(Deserialize, JsonSchema, Serialize)]
-struct Outline {
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
+pub struct Outline {
     /// Lower and upper end along x, in mm.
     #[schemars(extend("example" = "[-10.0, 10.0]"))]
-    x: Option<[f64; 2]>,
+    pub x: Option<[f64; 2]>,
     /// Lower and upper end along y, in mm.
     #[schemars(extend("example" = "[-10.0, 10.0]"))]
-    y: Option<[f64; 2]>,
+    pub y: Option<[f64; 2]>,
 }
 
 /// A lower and an upper bound, both inclusive.
@@ -267,18 +220,6 @@ impl From<Weights> for [f64; 3] {
     }
 }
 
-impl From<[Option<[f64; 2]>; 2]> for Outline {
-    fn from([x, y]: [Option<[f64; 2]>; 2]) -> Outline {
-        Outline { x, y }
-    }
-}
-
-impl From<Outline> for [Option<[f64; 2]>; 2] {
-    fn from(Outline { x, y }: Outline) -> [Option<[f64; 2]>; 2] {
-        [x, y]
-    }
-}
-
 /// Default resolution of faces: machine tools are no finer.
 const RESOLUTION_MM: f64 = 0.001;
 const RESOLUTION_DEG: f64 = 0.01;
@@ -292,13 +233,13 @@ const SEED: u64 = 1;
 impl Default for Brief {
     fn default() -> Brief {
         Brief {
-            vary: Variables::default(),
+            vary: BTreeSet::new(),
             symmetry: Symmetry::None,
             goal: Goal::Uniformity,
             under: Under::Nominal,
             weights: [1.0; 3],
             least_amplitude: None,
-            outline_mm: [None; 2],
+            outline_mm: Outline::default(),
             smallest_cut_mm: None,
             gap_mm: 0.0,
             thickness_mm: None,
@@ -316,6 +257,11 @@ impl Default for Brief {
 }
 
 impl Brief {
+    /// Whether a property of the tiles may change.
+    pub fn varies(&self, variable: Variable) -> bool {
+        self.vary.contains(&variable)
+    }
+
     /// Adds the faults of the brief.
     pub(crate) fn check(&self, present: TablesPresent, volume: Option<&WorkingVolume>, faults: &mut TableFaults) {
         self.check_variables(faults);
@@ -371,11 +317,12 @@ impl Brief {
     }
 
     fn check_variables(&self, faults: &mut TableFaults) {
-        if self.vary == Variables::default() {
+        if self.vary.is_empty() {
             faults
                 .add("vary = [], must name at least one of size, position, cut, thickness, direction, tilt, strength");
         }
-        if self.vary.cut && (self.vary.size || self.vary.position) {
+        let moves_singly = self.varies(Variable::Size) || self.varies(Variable::Position);
+        if self.varies(Variable::Cut) && moves_singly {
             faults.add(
                 "vary names cut, which moves all faces on a line together, and size or position, which move faces \
                  separately, must name only one of the two",
@@ -390,7 +337,7 @@ impl Brief {
         faults.number("smallest_cut_mm", self.smallest_cut_mm, POSITIVE);
         faults.number("amplitude.min", self.least_amplitude, POSITIVE);
         faults.number("gap_mm", self.gap_mm, NOT_NEGATIVE);
-        for (key, range) in ["x", "y"].into_iter().zip(self.outline_mm) {
+        for (key, range) in [("x", self.outline_mm.x), ("y", self.outline_mm.y)] {
             let Some([low, high]) = range else { continue };
             let is_range = low.is_finite() && high.is_finite() && low < high;
             let rule = "must be two finite numbers, the first less than the second";
@@ -400,16 +347,16 @@ impl Brief {
 
     fn check_bounds(&self, faults: &mut TableFaults) {
         let ranges = [
-            ("thickness_mm", "thickness", self.vary.thickness, self.thickness_mm, f64::MIN_POSITIVE, "0 < min <= max"),
-            ("strength_t", "strength", self.vary.strength, self.strength_t, 0.0, "0 <= min <= max"),
+            ("thickness_mm", "thickness", Variable::Thickness, self.thickness_mm, f64::MIN_POSITIVE, "0 < min <= max"),
+            ("strength_t", "strength", Variable::Strength, self.strength_t, 0.0, "0 <= min <= max"),
         ];
-        for (key, variable, varies, bounds, least, rule) in ranges {
+        for (key, name, variable, bounds, least, rule) in ranges {
             match bounds {
                 Some(MinMax { min, max }) if !(min >= least && min <= max && max.is_finite()) => {
                     faults.add(format!("{key} = {{ min = {min}, max = {max} }}, must be finite with {rule}"));
                 }
-                None if varies => {
-                    faults.add(format!("vary names {variable}, so {key} = {{ min = ..., max = ... }} must be given"));
+                None if self.varies(variable) => {
+                    faults.add(format!("vary names {name}, so {key} = {{ min = ..., max = ... }} must be given"));
                 }
                 _ => {}
             }
@@ -419,10 +366,10 @@ impl Brief {
 
     fn check_parts(&self, faults: &mut TableFaults) {
         if self.parts.is_some() || !self.stock.is_empty() {
-            if !(self.vary.size && self.vary.position) {
+            if !(self.varies(Variable::Size) && self.varies(Variable::Position)) {
                 faults.add("parts or stock is given, so vary must name size and position: the search exchanges sizes");
             }
-            if self.vary.tilt {
+            if self.varies(Variable::Tilt) {
                 faults
                     .add("parts or stock is given, so vary must not name tilt: parts are polarized in the film plane");
             }
@@ -447,7 +394,7 @@ impl Brief {
             faults.number(&key, *strength, NOT_NEGATIVE);
             check_material(&key, *strength, faults);
         }
-        if !self.stock_strengths_t.is_empty() && !self.vary.strength {
+        if !self.stock_strengths_t.is_empty() && !self.varies(Variable::Strength) {
             faults.add("stock_strengths_t is given, so vary must name strength");
         }
     }

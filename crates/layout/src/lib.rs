@@ -89,7 +89,7 @@ mod volume;
 /// Values that a file has in another form than memory.
 mod written_as;
 
-pub use brief::{Brief, Goal, MinMax, StockPart, Symmetry, Under, Variables};
+pub use brief::{Brief, Goal, MinMax, Outline, StockPart, Symmetry, Under, Variable};
 pub use elastomer::Elastomer;
 pub use error::{LayoutError, LayoutFault};
 pub use expectations::{Expectations, ExpectedField, FigureBounds, MadeExpectations};

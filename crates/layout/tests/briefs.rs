@@ -1,6 +1,6 @@
 //! Rules of `[design]`: each value is refused just beyond its limit and accepted at it.
 
-use magsplice_layout::{Brief, Layout, MinMax, Under};
+use magsplice_layout::{Brief, Layout, MinMax, Outline, Under};
 
 /// A layout of one tile with these lines of `[volume]` and `[design]`.
 fn layout(volume: &str, design: &str) -> Result<Layout, String> {
@@ -44,7 +44,7 @@ fn lengths_and_weights_have_limits() {
 #[test]
 fn outlines_are_ranges() {
     let brief = accepted("vary = [\"size\"]\noutline_mm = { x = [-5, 5] }");
-    assert_eq!(brief.outline_mm, [Some([-5.0, 5.0]), None]);
+    assert_eq!(brief.outline_mm, Outline { x: Some([-5.0, 5.0]), y: None });
     for range in ["[5, 5]", "[5, -5]", "[-inf, 5]", "[-5, inf]"] {
         let rule = format!("outline_mm.y = {range}, must be two finite numbers, the first less than the second");
         refused(&format!("vary = [\"size\"]\noutline_mm = {{ y = {range} }}"), &rule);

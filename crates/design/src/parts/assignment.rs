@@ -4,7 +4,7 @@
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 use glam::DVec3;
-use magsplice_layout::{Brief, StockPart, Variables, direction_from_degrees};
+use magsplice_layout::{Brief, StockPart, Variable, direction_from_degrees};
 
 use crate::problem::affine::Affine;
 use crate::problem::least_squares::Candidate;
@@ -231,21 +231,21 @@ impl PartAssignment {
 
     /// The pattern whose variables are the free numbers of the parts and the positions of the
     /// tiles.
-    pub(crate) fn pattern(&self, vary: Variables, like: &Pattern) -> Pattern {
+    pub(crate) fn pattern(&self, brief: &Brief, like: &Pattern) -> Pattern {
         let (mut builder, mut tiles) = (PatternBuilder::default(), Vec::new());
         // Strengths that were fixed before stay fixed.
-        let scales = vary.strength && like.kinds.contains(&VariableKind::Strength);
-        let used = self.used();
+        let scales = brief.varies(Variable::Strength) && like.kinds.contains(&VariableKind::Strength);
+        let (used, sizes_vary) = (self.used(), brief.varies(Variable::Size));
         let numbers: Vec<[Affine; 4]> = (self.parts.iter().enumerate())
             .map(|(index, part)| {
                 let constant = part.in_stock || !used.contains(&index);
                 let mut number = |kind, start, varies| builder.number(kind, start, varies && !constant);
-                let first = number(VariableKind::Length, part.size[0], vary.size);
+                let first = number(VariableKind::Length, part.size[0], sizes_vary);
                 let second = match part.class {
                     SymmetryClass::Diagonal => first.clone(),
-                    _ => number(VariableKind::Length, part.size[1], vary.size),
+                    _ => number(VariableKind::Length, part.size[1], sizes_vary),
                 };
-                let turns = vary.direction && part.class == SymmetryClass::Free;
+                let turns = brief.varies(Variable::Direction) && part.class == SymmetryClass::Free;
                 [
                     first,
                     second,
@@ -260,7 +260,7 @@ impl PartAssignment {
             let sizes = if placed.orientation.exchange { [second, first] } else { [first, second] };
             let mut centre = |axis: usize| match orbit.on_mirror[axis] {
                 true => Affine::constant(0.0),
-                false => builder.number(VariableKind::Length, placed.centre[axis], vary.position),
+                false => builder.number(VariableKind::Length, placed.centre[axis], brief.varies(Variable::Position)),
             };
             let x = centre(0);
             let y = if orbit.on_diagonal { x.clone() } else { centre(1) };

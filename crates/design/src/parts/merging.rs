@@ -8,7 +8,7 @@
 use std::ops::ControlFlow;
 
 use glam::DVec3;
-use magsplice_layout::{Brief, Layout};
+use magsplice_layout::{Brief, Layout, Variable};
 use magsplice_magnet::Tile;
 use rayon::prelude::*;
 
@@ -93,14 +93,15 @@ pub(crate) fn levels(
         let still = || watch.show(update);
         if left > PARTS_SINGLY {
             let aim = (left - left / 4).max(PARTS_SINGLY).max(free_parts);
-            let assignment = with_nearest_merged(film.assignment.clone(), aim, problem.brief.vary.direction);
+            let assignment =
+                with_nearest_merged(film.assignment.clone(), aim, problem.brief.varies(Variable::Direction));
             match designed(assignment, problem, &film.pattern, MOST_STEPS, &still) {
                 Some(next) if next.assignment.free() < left => film = next,
                 _ => return levels,
             }
             continue;
         }
-        let mut merged = film.assignment.merged(problem.brief.vary.direction);
+        let mut merged = film.assignment.merged(problem.brief.varies(Variable::Direction));
         if left > PARTS_TRIED {
             merged.sort_by(|a, b| a.distance.total_cmp(&b.distance));
             merged.truncate(TRIALS_FINISHED);
@@ -135,7 +136,7 @@ fn regrouped(problem: &DesignProblem, film: &FilmOfParts, watch: &Watch) -> Opti
         if now.assignment.placed.len() > PARTS_TRIED || watch.show(now.update(0, 0)).is_break() {
             return best;
         }
-        let exchanged = now.assignment.with_one_exchanged(problem.brief.vary.direction);
+        let exchanged = now.assignment.with_one_exchanged(problem.brief.varies(Variable::Direction));
         let Some(next) = best_of(problem, &now.pattern, exchanged, &|| watch.show(now.update(0, 0))) else {
             return best;
         };
@@ -180,7 +181,7 @@ fn designed(
     steps: usize,
     still: StillWanted,
 ) -> Option<FilmOfParts> {
-    let pattern = assignment.pattern(problem.brief.vary, like);
+    let pattern = assignment.pattern(&problem.brief, like);
     let start = problem.least_squares.nearest(&pattern, &pattern.start).ok()?;
     let candidate = problem.least_squares.descend(&pattern, start, steps, &mut |_| still())?;
     Some(FilmOfParts { assignment: assignment.updated(&pattern, &candidate), pattern, candidate })

@@ -2,7 +2,7 @@
 
 use magsplice_ideal::IdealFilm;
 
-use magsplice_layout::{Brief, Goal, Layout, Symmetry, Under, WorkingVolume};
+use magsplice_layout::{Brief, Goal, Layout, Symmetry, Under, Variable, WorkingVolume};
 use magsplice_magnet::{BoundingBox, Grid, Tile};
 
 use crate::error::{DesignError, Table};
@@ -68,7 +68,8 @@ impl<'a> DesignProblem<'a> {
         let volume = layout.volume.ok_or(DesignError::Missing(Table::Volume))?;
         let tiles = layout.bare_tiles();
         let named = |indices: Vec<usize>| indices.into_iter().map(|i| layout.tiles[i].name.clone()).collect();
-        let moves = brief.vary.size || brief.vary.position || brief.vary.cut || brief.symmetry != Symmetry::None;
+        let moves = [Variable::Size, Variable::Position, Variable::Cut].into_iter().any(|moved| brief.varies(moved));
+        let moves = moves || brief.symmetry != Symmetry::None;
         let rotated: Vec<usize> = (0..tiles.len()).filter(|&i| !tiles[i].rotation().is_near_identity()).collect();
         if moves && !rotated.is_empty() {
             return Err(DesignError::Rotated(named(rotated)));
@@ -94,7 +95,7 @@ impl<'a> DesignProblem<'a> {
             amplitude_weights: [volume.grid, finer(&sampling.grid)].map(|grid| sampling.weights_for(&grid)).to_vec(),
         };
         let mut bounds = DesignBounds::new(&brief, &tiles);
-        if brief.vary.position && !brief.vary.size {
+        if brief.varies(Variable::Position) && !brief.varies(Variable::Size) {
             // Rounding may move each of two centres nearer by half of the resolution.
             bounds.gap.least_mm += brief.resolution_mm;
         }

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use glam::DVec3;
-use magsplice_layout::{Brief, Symmetry, Variables};
+use magsplice_layout::{Brief, Symmetry, Variable};
 use magsplice_magnet::Tile;
 
 use crate::problem::affine::Affine;
@@ -179,15 +179,19 @@ impl PatternBuilder {
 
     fn variable_tile(&mut self, tile: &Tile, orbit: &Orbit, brief: &Brief) -> VariableTile {
         let x = self.faces_along(0, tile, orbit, brief);
-        let y = if orbit.on_diagonal && !brief.vary.cut { x.clone() } else { self.faces_along(1, tile, orbit, brief) };
+        let y = if orbit.on_diagonal && !brief.varies(Variable::Cut) {
+            x.clone()
+        } else {
+            self.faces_along(1, tile, orbit, brief)
+        };
         let j = tile.polarization_t();
         let [direction, tilt] = angles(j);
-        let Variables { direction: turns, tilt: tilts, strength: scales, .. } = brief.vary;
         let in_plane = j.truncate() != glam::DVec2::ZERO;
-        let turns = turns && in_plane && !orbit.is_fixed_direction();
+        let turns = brief.varies(Variable::Direction) && in_plane && !orbit.is_fixed_direction();
         // A tile on both mirrors is polarized along z.
-        let tilts = tilts && j != DVec3::ZERO && !(orbit.on_mirror[0] && orbit.on_mirror[1]);
-        let scales = scales && j != DVec3::ZERO;
+        let on_both = orbit.on_mirror[0] && orbit.on_mirror[1];
+        let tilts = brief.varies(Variable::Tilt) && j != DVec3::ZERO && !on_both;
+        let scales = brief.varies(Variable::Strength) && j != DVec3::ZERO;
         VariableTile {
             orbit: orbit.clone(),
             faces: [x, y, self.faces_in_height(tile, brief)],
@@ -201,13 +205,12 @@ impl PatternBuilder {
 
     fn faces_along(&mut self, axis: usize, tile: &Tile, orbit: &Orbit, brief: &Brief) -> [Affine; 2] {
         let (centre, half) = (tile.position()[axis], 0.5 * tile.size()[axis]);
-        let Variables { size, position, cut, .. } = brief.vary;
-        if cut {
+        if brief.varies(Variable::Cut) {
             let slack = SAME_TILE * tile.size().max_element();
             return [centre - half, centre + half].map(|edge| self.line(axis, edge, slack, brief.symmetry));
         }
         let on_mirror = orbit.on_mirror[axis];
-        match (size, position && !on_mirror) {
+        match (brief.varies(Variable::Size), brief.varies(Variable::Position) && !on_mirror) {
             (true, true) => [centre - half, centre + half].map(|edge| self.variable(VariableKind::Length, edge)),
             (true, false) => {
                 let centre = if on_mirror { 0.0 } else { centre };
@@ -248,7 +251,7 @@ impl PatternBuilder {
     fn faces_in_height(&mut self, tile: &Tile, brief: &Brief) -> [Affine; 2] {
         let (centre, half) = (tile.position().z, 0.5 * tile.size().z);
         let [lower, upper] = [centre - half, centre + half];
-        if !brief.vary.thickness {
+        if !brief.varies(Variable::Thickness) {
             return [lower, upper].map(Affine::constant);
         }
         [Affine::constant(lower), self.shared(2, upper, SAME_TILE * half)]

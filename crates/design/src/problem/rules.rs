@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use magsplice_layout::{Brief, MinMax, Symmetry};
+use magsplice_layout::{Brief, MinMax, Outline, Symmetry, Variable};
 use magsplice_magnet::Tile;
 
 use crate::problem::affine::Affine;
@@ -41,7 +41,8 @@ impl DesignBounds {
                 [low.min(lower), high.max(upper)]
             })
         };
-        let mut outline_mm = [0, 1].map(|axis| brief.outline_mm[axis].unwrap_or_else(|| extent(axis)));
+        let Outline { x, y } = brief.outline_mm;
+        let mut outline_mm = [x.unwrap_or_else(|| extent(0)), y.unwrap_or_else(|| extent(1))];
         // The images of a tile must keep the outline too.
         let within = |[low, high]: [f64; 2]| high.min(-low);
         match brief.symmetry {
@@ -60,8 +61,8 @@ impl DesignBounds {
             outline_mm,
             smallest_cut_mm: brief.smallest_cut_mm.unwrap_or(shortest),
             gap: Gap { least_mm: brief.gap_mm, gap_mm: brief.gap_mm, resolution_mm: brief.resolution_mm },
-            thickness_mm: bounds(brief.vary.thickness, brief.thickness_mm),
-            strength_t: bounds(brief.vary.strength, brief.strength_t),
+            thickness_mm: bounds(brief.varies(Variable::Thickness), brief.thickness_mm),
+            strength_t: bounds(brief.varies(Variable::Strength), brief.strength_t),
         }
     }
 
@@ -178,7 +179,8 @@ mod tests {
     #[test]
     fn outline_is_clipped_to_the_part_that_images_keep_too() {
         let tiles = [Tile::new(DVec3::ZERO, DVec3::new(2.0, 4.0, 1.0), DVec3::X).unwrap()];
-        let outline = |symmetry: Symmetry, outline_mm: [Option<[f64; 2]>; 2]| {
+        let outline = |symmetry: Symmetry, [x, y]: [Option<[f64; 2]>; 2]| {
+            let outline_mm = Outline { x, y };
             DesignBounds::new(&Brief { symmetry, outline_mm, ..Brief::default() }, &tiles).outline_mm
         };
         let uneven = [Some([-8.0, 10.0]), Some([-7.0, 3.0])];

@@ -1,7 +1,7 @@
 //! Layouts to begin with have the pattern that was published, and the demands of the request.
 
 use magsplice_design::{DesignError, DesignProblem, SpliceRequest};
-use magsplice_layout::{Brief, Goal, Layout, Symmetry, Under};
+use magsplice_layout::{Brief, Goal, Layout, Outline, Symmetry, Under, Variable};
 
 use crate::search::PUBLISHED;
 
@@ -60,10 +60,9 @@ fn brief_has_the_demands_of_the_request() {
     assert_eq!((parts, starts, seed), (Some(7), 17, 23));
     assert!(stock.is_empty() && stock_strengths_t.is_empty());
     // Half of the extents, because the film is centred on 0.
-    assert_eq!(outline_mm, [Some([-12.0, 12.0]), Some([-15.0, 15.0])]);
+    assert_eq!(outline_mm, Outline { x: Some([-12.0, 12.0]), y: Some([-15.0, 15.0]) });
     // Shapes and directions are free. Cut lines, heights and J are the user's.
-    assert!(vary.size && vary.position && vary.direction, "{vary:?}");
-    assert!(!(vary.cut || vary.thickness || vary.strength || vary.tilt), "{vary:?}");
+    assert_eq!(vary, [Variable::Size, Variable::Position, Variable::Direction].into());
     assert_eq!(symmetry, Symmetry::Mirror);
 }
 

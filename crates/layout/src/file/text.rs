@@ -8,8 +8,8 @@ use std::sync::LazyLock;
 
 use serde::Deserialize;
 use serde_json::Value;
-use toml::{Spanned, Table};
 use toml::de::{DeTable, Deserializer};
+use toml::{Spanned, Table};
 
 use crate::error::LayoutError;
 use crate::file::LayoutFile;

@@ -36,7 +36,7 @@ fn assignment(problem: &DesignProblem) -> PartAssignment {
 
 /// The tiles that the parts of an assignment make.
 fn made(assignment: &PartAssignment, problem: &DesignProblem) -> Vec<Tile> {
-    let pattern = assignment.pattern(problem.brief.vary, &problem.pattern);
+    let pattern = assignment.pattern(&problem.brief, &problem.pattern);
     pattern.all_tiles(&pattern.start).expect("sides above 0")
 }
 
