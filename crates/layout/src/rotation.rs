@@ -270,11 +270,6 @@ impl EulerOrder {
     pub fn axes(&self) -> [usize; 3] {
         self.axes
     }
-
-    /// Whether the rotations are about the axes of the turned tile, not about fixed ones.
-    pub fn is_intrinsic(&self) -> bool {
-        self.intrinsic
-    }
 }
 
 impl std::str::FromStr for EulerOrder {
