@@ -52,8 +52,8 @@ impl ErrorUnit {
         all.find(|written| self.read(*written) == value).unwrap_or(guess)
     }
 
-    /// The rule that a magnitude in the unit of the file breaks if no error is as large, and what was
-    /// probably meant. Lengths have no such rule by themselves.
+    /// The rule that a magnitude in the unit of the file breaks if no error is as large, with a
+    /// likely meaning. Lengths have no such rule by themselves.
     pub(crate) fn broken_rule(self, value: f64) -> Option<String> {
         let (largest, meant) = match self {
             ErrorUnit::Millimetre | ErrorUnit::Millitesla => return None,

@@ -96,8 +96,8 @@ impl Layout {
     /// the same tiles, bit for bit.
     ///
     /// # Panics
-    /// If the path of the expected field is not UTF-8 or a seed is above `i64::MAX`, which no layout
-    /// file can express.
+    /// If the path of the expected field is not UTF-8 or a seed is above `i64::MAX`, which no
+    /// layout file can express.
     ///
     /// # Example
     /// ```
