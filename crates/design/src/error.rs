@@ -15,7 +15,7 @@ use crate::tolerances::MAX_LISTED;
 
 /// A table of a layout that a design needs.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
-pub enum Table {
+pub enum NeededTable {
     /// `[design]`, the brief.
     #[error(
         "the layout has no [design] table, which design needs: add one, at the least the line `design = {{ vary = \
@@ -39,7 +39,7 @@ pub enum Table {
 pub enum DesignError {
     /// The layout lacks this table.
     #[error("{0}")]
-    Missing(Table),
+    Missing(NeededTable),
     /// Some tiles have no image under the symmetry of the brief.
     #[error(
         "{}tiles without an image under the symmetry of [design]: {}; add the images (arrows are mirrored like drawn \

@@ -83,10 +83,10 @@ mod strengths;
 /// Tolerances and tuning constants.
 mod tolerances;
 
-pub use error::{DesignError, RoundingFault, Table};
+pub use error::{DesignError, NeededTable, RoundingFault};
 pub use pareto_front::ParetoFront;
 pub use problem::design_problem::DesignProblem;
-pub use progress::{Progress, ProgressUpdate, SearchStage, ignore_progress};
+pub use progress::{ProgressUpdate, SearchProgress, SearchStage, ignore_progress};
 pub use rule::{Demand, Gap, Rule};
 pub use search::estimate::SearchEstimate;
 pub use search::made_films::MadeFilms;

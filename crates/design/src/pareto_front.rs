@@ -8,7 +8,7 @@ use crate::error::DesignError;
 use crate::parts::merging;
 use crate::problem::design_problem::DesignProblem;
 use crate::problem::least_squares::Candidate;
-use crate::progress::{Progress, SearchStage, Watch};
+use crate::progress::{SearchProgress, SearchStage, Watch};
 use crate::search::search_result::SearchResult;
 use crate::tolerances::MOST_STEPS;
 
@@ -66,7 +66,7 @@ impl DesignProblem<'_> {
     ///
     /// # Errors
     /// As [`DesignProblem::search`].
-    pub fn pareto_front(&self, amplitudes: &[f64], progress: Progress) -> Result<ParetoFront, DesignError> {
+    pub fn pareto_front(&self, amplitudes: &[f64], progress: SearchProgress) -> Result<ParetoFront, DesignError> {
         let watch = Watch::new(progress);
         let mut by_amplitude: Vec<(f64, SearchResult)> = Vec::new();
         // In descending order, because a film with more amplitude is a good start for less.

@@ -59,7 +59,7 @@ impl serde::Serialize for SearchStage {
 
 /// A callback that observes a search. If it returns [`ControlFlow::Break`], the search stops and
 /// keeps the best film so far. Several threads call it.
-pub type Progress<'a> = &'a (dyn Fn(ProgressUpdate) -> ControlFlow<()> + Sync);
+pub type SearchProgress<'a> = &'a (dyn Fn(ProgressUpdate) -> ControlFlow<()> + Sync);
 
 /// Ignores every update and never stops the search.
 pub fn ignore_progress(_: ProgressUpdate) -> ControlFlow<()> {
@@ -68,12 +68,12 @@ pub fn ignore_progress(_: ProgressUpdate) -> ControlFlow<()> {
 
 /// The callback of a search, which is not called again once it has stopped the search.
 pub(crate) struct Watch<'a> {
-    progress: Progress<'a>,
+    progress: SearchProgress<'a>,
     stop: AtomicBool,
 }
 
 impl<'a> Watch<'a> {
-    pub(crate) fn new(progress: Progress<'a>) -> Watch<'a> {
+    pub(crate) fn new(progress: SearchProgress<'a>) -> Watch<'a> {
         Watch { progress, stop: AtomicBool::new(false) }
     }
 

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use crate::tolerances::{BATCHES_PER_THREAD, POINTS_PER_BATCH, REGROUPED_POINTS};
 
 /// A callback that receives, from any thread, the number of points that begin.
-pub type Progress<'a> = &'a (dyn Fn(usize) + Sync);
+pub type PointProgress<'a> = &'a (dyn Fn(usize) + Sync);
 
 /// The division of points into batches.
 #[derive(Clone, Copy)]
@@ -24,7 +24,7 @@ pub fn for_each_batch<T: Send + Copy + Default>(
     points: &[DVec3],
     values: &mut [T],
     batches: Batches,
-    progress: Progress,
+    progress: PointProgress,
     evaluate: impl Fn(&[DVec3], &mut [T], &mut dyn FnMut(usize, PointErrorCause)) + Sync + Send,
 ) -> Result<(), PointErrors> {
     assert_eq!(points.len(), values.len(), "one value per point");
@@ -69,7 +69,7 @@ fn in_batches<T: Send>(
     points: &[DVec3],
     values: &mut [T],
     size: usize,
-    progress: Progress,
+    progress: PointProgress,
     evaluate: &(impl Fn(&[DVec3], &mut [T], &mut dyn FnMut(usize, PointErrorCause)) + Sync + Send),
 ) -> Vec<Vec<(usize, PointErrorCause)>> {
     let batches = points.par_chunks(size).zip(values.par_chunks_mut(size)).enumerate();

@@ -13,7 +13,7 @@ use magsplice_magnet::{
 };
 use magsplice_simd::column::Column;
 
-use super::batches::{Batches, Progress, for_each_batch};
+use super::batches::{Batches, PointProgress, for_each_batch};
 use super::edges::EdgesAtPoint;
 use super::gradient_sum::GradientSum;
 use super::magnitude::{LeastField, MagnitudeBounds};
@@ -190,7 +190,7 @@ impl DirectSum {
         quantity: Quantity,
         points: &[DVec3],
         field: &mut [DVec3],
-        progress: Progress,
+        progress: PointProgress,
     ) -> Result<(), PointErrors> {
         for_each_batch(points, field, self.batches(), progress, |points, field, failed| {
             self.field_of_batch(quantity, points, field, failed);
@@ -205,7 +205,7 @@ impl DirectSum {
         quantity: Quantity,
         points: &[DVec3],
         field: &mut [DVec3],
-        progress: Progress,
+        progress: PointProgress,
     ) -> Vec<PointError> {
         let evaluated = for_each_batch(points, field, self.batches(), progress, |points, field, failed| {
             self.field_of_batch_within(tolerance, quantity, points, field, failed);

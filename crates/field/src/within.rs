@@ -22,7 +22,7 @@ use crate::tolerances::{
 };
 use crate::tree::lazy_tree::LazyTree;
 use crate::tree::rounds::sum_over_tree;
-use magsplice_direct::batches::Progress;
+use magsplice_direct::batches::PointProgress;
 use magsplice_direct::direct_sum::DirectSum;
 
 /// Writes B or H at all points. Returns the points without a field, where `field` is NaN.
@@ -33,7 +33,7 @@ pub(crate) fn at_points(
     quantity: Quantity,
     points: &[DVec3],
     field: &mut [DVec3],
-    progress: Progress,
+    progress: PointProgress,
 ) -> Vec<PointError> {
     let chunks = points.chunks(MAX_SORTED_POINTS).zip(field.chunks_mut(MAX_SORTED_POINTS)).enumerate();
     let errors = chunks.map(|(number, (points, field))| {
@@ -57,7 +57,7 @@ fn at_some_points(
     quantity: Quantity,
     points: &[DVec3],
     field: &mut [DVec3],
-    progress: Progress,
+    progress: PointProgress,
 ) -> Vec<PointError> {
     let usable: Vec<u32> = match fitted(direct, tolerance, points) {
         Some(fitted) => {
@@ -116,7 +116,7 @@ fn exact_at(
     points: &[DVec3],
     indices: &[usize],
     field: &mut [DVec3],
-    progress: Progress,
+    progress: PointProgress,
 ) -> Vec<PointError> {
     let chosen: Vec<DVec3> = indices.iter().map(|&index| points[index]).collect();
     let mut values = vec![DVec3::ZERO; chosen.len()];
@@ -151,7 +151,7 @@ pub(crate) fn on_grid(
     quantity: Quantity,
     grid: &Grid,
     field: &mut [DVec3],
-    progress: Progress,
+    progress: PointProgress,
 ) -> Vec<PointError> {
     let fits = GridFits::new(direct, tolerance, grid, progress);
     if fits.fitted.is_empty() {

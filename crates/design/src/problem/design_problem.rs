@@ -5,7 +5,7 @@ use magsplice_ideal::IdealFilm;
 use magsplice_layout::{Brief, Goal, Layout, Symmetry, Under, Variable, WorkingVolume};
 use magsplice_magnet::{BoundingBox, Grid, Tile};
 
-use crate::error::{DesignError, Table};
+use crate::error::{DesignError, NeededTable};
 use crate::problem::error_model::ErrorModel;
 use crate::problem::least_squares::LeastSquares;
 use crate::problem::objective::Objective;
@@ -55,7 +55,7 @@ impl<'a> DesignProblem<'a> {
     /// If the layout lacks a table, its tiles lack the symmetry of the brief, no number is free, or
     /// the working volume is not below the film.
     pub fn new(layout: &'a Layout) -> Result<DesignProblem<'a>, DesignError> {
-        let brief = layout.brief.clone().ok_or(DesignError::Missing(Table::Design))?;
+        let brief = layout.brief.clone().ok_or(DesignError::Missing(NeededTable::Design))?;
         DesignProblem::from_brief(layout, brief)
     }
 
@@ -64,8 +64,8 @@ impl<'a> DesignProblem<'a> {
     /// # Errors
     /// As [`DesignProblem::new`].
     pub fn from_brief(layout: &'a Layout, brief: Brief) -> Result<DesignProblem<'a>, DesignError> {
-        let ideal = layout.ideal.ok_or(DesignError::Missing(Table::Ideal))?;
-        let volume = layout.volume.ok_or(DesignError::Missing(Table::Volume))?;
+        let ideal = layout.ideal.ok_or(DesignError::Missing(NeededTable::Ideal))?;
+        let volume = layout.volume.ok_or(DesignError::Missing(NeededTable::Volume))?;
         let tiles = layout.bare_tiles();
         let named = |indices: Vec<usize>| indices.into_iter().map(|i| layout.tiles[i].name.clone()).collect();
         let moves = [Variable::Size, Variable::Position, Variable::Cut].into_iter().any(|moved| brief.varies(moved));
@@ -101,7 +101,7 @@ impl<'a> DesignProblem<'a> {
         }
         let errors = match (brief.under, &layout.tolerance) {
             (Under::Nominal, _) => None,
-            (Under::Tolerance, None) => return Err(DesignError::Missing(Table::Tolerance)),
+            (Under::Tolerance, None) => return Err(DesignError::Missing(NeededTable::Tolerance)),
             (Under::Tolerance, Some(_)) if brief.goal != Goal::Displacement => {
                 return Err(DesignError::NotDisplacement);
             }

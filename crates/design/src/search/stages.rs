@@ -14,7 +14,7 @@ use crate::parts::merging;
 use crate::problem::design_problem::DesignProblem;
 use crate::problem::least_squares::Candidate;
 use crate::problem::pattern::Pattern;
-use crate::progress::{Progress, ProgressUpdate, SearchStage, Watch};
+use crate::progress::{ProgressUpdate, SearchProgress, SearchStage, Watch};
 use crate::rule::{Demand, Rule};
 use crate::search::made_films::MadeFilms;
 use crate::search::metrics::Metrics;
@@ -34,7 +34,7 @@ impl DesignProblem<'_> {
     /// # Errors
     /// If no film keeps the rules, or the film to start from has no field or no decoupling
     /// parameters.
-    pub fn search(&self, progress: Progress) -> Result<SearchResult, DesignError> {
+    pub fn search(&self, progress: SearchProgress) -> Result<SearchResult, DesignError> {
         self.metrics(&self.cells(&self.tiles)?)?;
         let mut problem = self.clone();
         problem.hold_recoil(&self.tiles)?;

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 
 use magsplice_decouple::Figures;
 use magsplice_design::{
-    DesignError, DesignProblem, ProgressUpdate, SearchResult, SearchStage, Shortfall, Table, ignore_progress,
+    DesignError, DesignProblem, NeededTable, ProgressUpdate, SearchResult, SearchStage, Shortfall, ignore_progress,
 };
 use magsplice_layout::{FilmTolerance, Goal, Layout, Under};
 use magsplice_magnet::{Tile, overlaps};
@@ -91,7 +91,7 @@ fn films_that_are_made_need_errors_and_a_displacement() {
     let brief = layout.brief.as_mut().unwrap();
     brief.under = Under::Tolerance;
     let refused = |layout: &Layout| DesignProblem::new(layout).map(|_| ()).expect_err("refused");
-    assert_eq!(refused(&layout), DesignError::Missing(Table::Tolerance));
+    assert_eq!(refused(&layout), DesignError::Missing(NeededTable::Tolerance));
     layout.tolerance = Some(FilmTolerance::default());
     layout.brief.as_mut().unwrap().goal = Goal::Uniformity;
     assert_eq!(refused(&layout), DesignError::NotDisplacement);

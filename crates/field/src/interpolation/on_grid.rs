@@ -15,7 +15,7 @@ use crate::tolerances::{
     GRID_POINTS_PER_NODE, MIN_FIT_PAIRS, MIN_FIT_POINTS, MIN_LOOK_UP_TILES, NODE_TRANSFORM_TILES,
     POINTS_PER_EXPECTED_NODE,
 };
-use magsplice_direct::batches::Progress;
+use magsplice_direct::batches::PointProgress;
 use magsplice_direct::direct_sum::DirectSum;
 
 /// A part of a grid: first indices along x, y, z, and the indices after the last.
@@ -34,7 +34,7 @@ pub(crate) struct GridFits {
 impl GridFits {
     /// Divides a grid. Parts too near to tiles for a fit are halved, down to a smallest number of
     /// points. `progress` receives 0 when a part begins.
-    pub(crate) fn new(direct: &DirectSum, tolerance: Tolerance, grid: &Grid, progress: Progress) -> GridFits {
+    pub(crate) fn new(direct: &DirectSum, tolerance: Tolerance, grid: &Grid, progress: PointProgress) -> GridFits {
         let mut fits = GridFits { fitted: Vec::new(), rest: Vec::new() };
         let whole = GridPart { start: [0; 3], end: grid.counts() };
         divide(direct, tolerance, grid, whole, &mut fits, progress);
@@ -58,7 +58,7 @@ fn divide(
     grid: &Grid,
     part: GridPart,
     fits: &mut GridFits,
-    progress: Progress,
+    progress: PointProgress,
 ) {
     progress(0);
     let points = part.len();

@@ -15,7 +15,7 @@ use crate::tolerances::{
     FIRST_NODE_COUNT, MAX_REFINEMENT_ROUNDS, POINTS_PER_LIST, POINTS_PER_TREE_BATCH, POINTS_PER_WEAK_FIELD,
     SAFETY_FACTOR, TREE_BATCHES, USED_ERROR_SHARE,
 };
-use magsplice_direct::batches::{Progress, neighbours_together};
+use magsplice_direct::batches::{PointProgress, neighbours_together};
 use magsplice_direct::direct_sum::DirectSum;
 
 /// Writes B or H at the `usable` points to `field`. Returns the points without a field, and the
@@ -27,7 +27,7 @@ pub(crate) fn sum_over_tree(
     points: &[DVec3],
     usable: Vec<u32>,
     field: &mut [DVec3],
-    progress: Progress,
+    progress: PointProgress,
 ) -> (Vec<PointError>, Vec<usize>) {
     let size = batch_size(usable.len());
     let order = batch_order(points, usable, size);
