@@ -1,13 +1,22 @@
-//! Tables as NPY and NPZ, for NumPy. npyz writes the headers; the data are little-endian numbers.
+//! Tables as NPY and NPZ, for NumPy: headers of format version 1.0, then little-endian numbers.
+//!
+//! Format: <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>.
 
 use std::io::{self, BufWriter, Write};
 
-use npyz::npz::file_name_from_array_name;
-use npyz::{DType, Field, TypeStr, WriteOptions, WriterBuilder};
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
 use magsplice::results::{MetadataValue, Table};
+
+/// The type of a column: little-endian f64.
+const DOUBLE: &str = "'<f8'";
+
+/// Bytes before the text of a header: magic string, version, and the length of the text.
+const BEFORE_TEXT: usize = 10;
+
+/// The data begin at a multiple of this number of bytes, as the format asks for.
+const ALIGNMENT: usize = 64;
 
 /// Writes an NPY file: one array of records, in the shape of [`Rows::shape`], with one field per
 /// column. The format has no metadata.
@@ -18,8 +27,8 @@ use magsplice::results::{MetadataValue, Table};
 /// Errors of the writer.
 pub fn npy(table: &Table, w: &mut dyn Write) -> io::Result<()> {
     let columns = table.columns();
-    let fields = columns.iter().map(|column| Field { name: column.name.to_owned(), dtype: scalar("<f8") });
-    header(DType::Record(fields.collect()), &table.rows().shape(), w)?;
+    let fields: String = columns.iter().map(|column| format!("('{}', {DOUBLE}), ", column.name)).collect();
+    header(&format!("[{fields}]"), &table.rows().shape(), w)?;
     (0..table.rows().len()).try_for_each(|row| numbers(columns.iter().map(|column| column.get(row)), w))
 }
 
@@ -37,13 +46,13 @@ pub fn npz(table: &Table, w: &mut dyn Write) -> io::Result<()> {
         let options = SimpleFileOptions::default()
             .compression_method(zip::CompressionMethod::Stored)
             .large_file(bytes as u64 >= u64::from(u32::MAX) / 2);
-        archive.start_file(file_name_from_array_name(name), options)
+        archive.start_file(format!("{name}.npy"), options)
     };
     let shape = table.rows().shape();
     for column in table.columns() {
         begin(&mut archive, column.name, 8 * table.rows().len())?;
         let mut entry = BufWriter::new(&mut archive);
-        header(scalar("<f8"), &shape, &mut entry)?;
+        header(DOUBLE, &shape, &mut entry)?;
         numbers(column.values(), &mut entry)?;
         entry.flush()?;
     }
@@ -61,28 +70,31 @@ fn metadata_array(value: &MetadataValue, w: &mut dyn Write) -> io::Result<()> {
             let points: Vec<u32> = text.chars().map(u32::from).collect();
             // NumPy has no strings of length 0.
             let length = points.len().max(1);
-            header(scalar(&format!("<U{length}")), &[], w)?;
+            header(&format!("'<U{length}'"), &[], w)?;
             let padded = points.into_iter().chain(std::iter::repeat(0)).take(length);
             padded.into_iter().try_for_each(|point| w.write_all(&point.to_le_bytes()))
         }
         MetadataValue::Count(count) => {
-            header(scalar("<i8"), &[], w)?;
+            header("'<i8'", &[], w)?;
             w.write_all(&(*count as u64).to_le_bytes())
         }
         MetadataValue::Numbers(values) => {
-            header(scalar("<f8"), &[values.len()], w)?;
+            header(DOUBLE, &[values.len()], w)?;
             numbers(values.iter().copied(), w)
         }
     }
 }
 
-fn scalar(text: &str) -> DType {
-    DType::Plain(text.parse::<TypeStr>().expect("a type name that NumPy knows"))
-}
-
-fn header(dtype: DType, shape: &[usize], w: &mut dyn Write) -> io::Result<()> {
-    let shape: Vec<u64> = shape.iter().map(|&n| n as u64).collect();
-    WriteOptions::new_header_only().dtype(dtype).shape(&shape).writer(w).write_header_only().map(drop)
+/// Writes the header of an array. `dtype` is the Python literal of its type, whose names need no
+/// quoting.
+fn header(dtype: &str, shape: &[usize], w: &mut dyn Write) -> io::Result<()> {
+    let shape: String = shape.iter().map(|n| format!("{n}, ")).collect();
+    let text = format!("{{'descr': {dtype}, 'fortran_order': False, 'shape': ({shape}), }}");
+    let length = (BEFORE_TEXT + text.len() + 1).next_multiple_of(ALIGNMENT) - BEFORE_TEXT;
+    let shown = u16::try_from(length).expect("a header of some dozens of columns");
+    w.write_all(b"\x93NUMPY\x01\x00")?;
+    w.write_all(&shown.to_le_bytes())?;
+    writeln!(w, "{text:0$}", length - 1)
 }
 
 fn numbers(values: impl Iterator<Item = f64>, w: &mut dyn Write) -> io::Result<()> {
