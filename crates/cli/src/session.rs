@@ -18,7 +18,7 @@ use crate::text::recoil::beyond_knee;
 use crate::words::film_failure;
 
 /// A working volume that is missing for a verb about sensors.
-pub(crate) const OF_SENSORS: &str = ", which says where the sensor may be: add one; docs/layout-format.md describes it";
+pub(crate) const OF_SENSORS: &str = " with the region of the sensor: add one; docs/layout-format.md describes it";
 /// A working volume that is missing for a verb that takes points from it.
 pub(crate) const OF_POINTS: &str = " to take points from: add one, or give --points";
 

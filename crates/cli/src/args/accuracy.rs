@@ -12,9 +12,9 @@ pub(crate) struct AccuracyArgs {
     /// with a unit (T, mT, uT or µT, nT) such as 10nT
     ///
     /// Without it the field is exact up to round-off. With it the program chooses the cheapest
-    /// method that keeps the tolerance at every point; where no method keeps it, the program names
+    /// method that keeps the tolerance at every point; where no method keeps it, the program lists
     /// the points. This may be faster where many points lie away from the tiles; `magsplice plan`
-    /// tells. J and the gradient are always exact.
+    /// shows where. J and the gradient are always exact.
     #[arg(long, value_name = "TOLERANCE", value_parser = tolerance, allow_hyphen_values = true)]
     within: Option<Tolerance>,
 }

@@ -5,7 +5,7 @@ use magsplice::scan::FreeParameters;
 
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
 pub(crate) enum FitArg {
-    /// The strength of all tiles over that of the layout
+    /// Strength of all tiles, relative to the layout
     Strength,
     /// Offset of the sensor and uniform stray field together
     Offset,

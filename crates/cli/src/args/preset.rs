@@ -6,7 +6,7 @@ use magsplice::layout::{self, FilmTolerance, Layout};
 /// Errors of tiles to assume instead of those of the layout.
 #[derive(Args)]
 pub(crate) struct PresetArgs {
-    /// Errors of every tile to assume instead of all that [tolerance] states
+    /// Typical errors of every tile, instead of [tolerance]
     #[arg(long, value_enum)]
     preset: Option<Preset>,
 }
@@ -14,10 +14,10 @@ pub(crate) struct PresetArgs {
 /// Usual errors of tiles, by the way in which a film is made.
 #[derive(Clone, Copy, ValueEnum)]
 enum Preset {
-    /// Magnets from a shop, laid along a drawn line: 0.15 mm, 1.5 degrees, 3 % of strength, sizes
+    /// Magnets from a shop, placed along a drawn line: 0.15 mm, 1.5 degrees, 3 % of strength, sizes
     /// to 0.05 mm, direction of J to 2 degrees
     ByHand,
-    /// Sorted magnets, laid with care against stops: 0.05 mm, 0.5 degrees, 1 % of strength
+    /// Sorted magnets, placed with care against stops: 0.05 mm, 0.5 degrees, 1 % of strength
     Workshop,
     /// Ground magnets of one batch in a milled frame: 0.02 mm, 0.2 degrees, 1 % of strength, sizes
     /// to 0.02 mm, direction of J to 1 degree

@@ -1,4 +1,4 @@
-//! `--sorted`: tiles that are measured and sorted before they are laid.
+//! `--sorted`: tiles that are measured and sorted before they are placed.
 
 use clap::Args;
 use magsplice::making::{AssignmentSettings, MeasurementErrors, Sorting};
@@ -18,7 +18,7 @@ pub(crate) struct SortingArgs {
     /// Measure the tiles of each sample, and place them so that the displacement error is least
     #[arg(long)]
     pub(crate) sorted: bool,
-    /// Number of tiles that are cut beyond those of the film, in proportion to its parts
+    /// Number of spare tiles, cut in addition to the tiles of the film, in proportion to its parts
     #[arg(long, value_name = "N", requires = "sorted", value_parser = |text: &str| whole(text, 0..=MAX_SPARES))]
     pub(crate) spares: Option<usize>,
     /// Turn no tile over: the side that was up when it was measured stays up
@@ -33,7 +33,7 @@ impl SortingArgs {
     pub(crate) fn sorting(&self) -> Result<Option<Sorting>, Failure> {
         let errors = self.errors.errors();
         if !self.sorted {
-            let refused = "errors of measurements are those of tiles that are sorted: give --sorted";
+            let refused = "measurement errors need --sorted";
             return errors.map_or(Ok(None), |_| Err(Failure::Refused(refused.to_owned())));
         }
         let settings = AssignmentSettings { starts: STARTS, kicks: KICKS, seed: 1, may_turn_over: !self.keep_side_up };

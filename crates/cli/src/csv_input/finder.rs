@@ -102,7 +102,7 @@ impl<'a> Finder<'a> {
             ([(column, false)], Some(unit)) => Some(Column { exponent: unit.exponent, factor: unit.factor, ..*column }),
             ([(column, false)], None) => {
                 let (column, units) = (self.listed([column]), units::names(group.units));
-                self.fault(format!("{name} in the column {column} {has} no unit, must name one of: {units}"));
+                self.fault(format!("{name} in the column {column} {has} no unit, must have one of: {units}"));
                 None
             }
             (several, _) => {

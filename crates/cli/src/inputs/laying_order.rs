@@ -35,7 +35,7 @@ pub(crate) fn read(path: &Path, layout: &Layout) -> Result<Vec<usize>, Failure> 
         let (name, line) = (shown(cells.text(*column)), cells.line);
         match tiles.get(cells.text(*column)).map(|&tile| (tile, lines[tile])) {
             None => cells.fault(format!("the layout has no tile {name}")),
-            Some((_, Some(before))) => cells.fault(format!("tile {name} is laid at line {before} already")),
+            Some((_, Some(before))) => cells.fault(format!("tile {name} is already placed at line {before}")),
             Some((tile, None)) => {
                 lines[tile] = Some(line);
                 return Some(tile);
@@ -46,7 +46,7 @@ pub(crate) fn read(path: &Path, layout: &Layout) -> Result<Vec<usize>, Failure> 
     if let Some(missing) = lines.iter().position(Option::is_none) {
         let count = lines.iter().filter(|line| line.is_none()).count();
         let message = format!(
-            "{} missing, such as {}: each tile must be laid once",
+            "{} missing, such as {}: each tile must be placed once",
             counted(count, "tile of the layout is", "tiles of the layout are"),
             layout.tiles[missing].name
         );

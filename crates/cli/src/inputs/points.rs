@@ -126,7 +126,7 @@ fn columns(finder: &mut Finder, unit: Option<LengthUnitArg>) -> Option<[Column; 
         None if !bare.is_empty() => {
             let (columns, names) = (if bare.len() == 1 { "column" } else { "columns" }, finder.listed(bare));
             finder.fault(format!(
-                "{columns} {names} without a unit: name it, as in {EXAMPLE}, or give --unit mm or --unit m"
+                "{columns} {names} without a unit: rename, as in {EXAMPLE}, or give --unit mm or --unit m"
             ));
         }
         Some(given) => {

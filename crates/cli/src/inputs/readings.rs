@@ -84,7 +84,7 @@ impl Vector {
             ([(column, true)], _) => return Some(*column),
             ([(column, false)], Some(given)) => return Some(Column { exponent: given.exponent, ..*column }),
             ([(column, false)], None) => {
-                format!("the column {} has no unit: name it, such as {with_unit}", finder.listed([column]))
+                format!("the column {} has no unit: rename it, as in {with_unit}", finder.listed([column]))
             }
             ([], _) => match finder.names.iter().find_map(|found| Some((found, unit_in(found, name)?))) {
                 Some((column, unit)) => {

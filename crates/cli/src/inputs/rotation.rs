@@ -180,7 +180,7 @@ fn euler_about_axes(
         }
         _ => {
             finder.fault(format!(
-                "the columns {} do not say which rotation about {} of the order {order} is meant: name its angles \
+                "the columns {} fit two rotations about {} of the order {order}: name its angles \
                  euler_1_deg, euler_2_deg, euler_3_deg, or give an order such as --euler xyz",
                 names.join(", "),
                 AXES[axes[0]]

@@ -1,4 +1,4 @@
-//! `magsplice budget`: where the displacement error of the films that are made comes from.
+//! `magsplice budget`: the displacement error of real films, divided by its causes.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -22,13 +22,13 @@ use crate::text::rows::{Column, left, right};
 use crate::text::units::in_per_cent;
 use crate::text::{header, rows};
 
-/// Tell where the displacement error of the films that are made comes from.
+/// Divide the displacement error of real films by its causes.
 ///
 /// Divides the expected mean square of the displacement error, along x, y and z, into the splicing
 /// pattern (the same pattern without end, against the ideal film), the end of the film, and each
 /// cause of [tolerance]: of the tiles, of the surroundings, and of the sensor. The division is to
 /// first order, by exact derivatives. Exact samples check it; where they disagree by more than 5 %,
-/// the program says so and divides by samples of each cause alone.
+/// the program reports it and divides by samples of each cause alone.
 #[derive(Args)]
 #[command(after_help = "Example:\n  magsplice budget layouts/robust-in-plane.toml\n  \
     magsplice budget layouts/published-film.toml --preset workshop --figure budget.png")]
@@ -40,7 +40,7 @@ pub(crate) struct BudgetArgs {
     /// Number of samples that check the division, or divide
     #[arg(long, value_name = "N", default_value = "200", value_parser = clap::value_parser!(u64).range(20..=1_000_000))]
     samples: u64,
-    /// Seed of the random numbers [default: that of [tolerance], else 1]
+    /// Seed of the random numbers [default: the value of [tolerance], else 1]
     #[arg(long, value_name = "S")]
     seed: Option<u64>,
     /// File for a bar chart of the budget: .svg or .png
@@ -75,7 +75,7 @@ const LISTED: usize = 3;
 
 fn text(film: &Film, found: &FilmBudget) -> String {
     let mut text = header::with_recoil(film);
-    text += "displacement error of the films that are made: RMS in mm, and share of the mean square\n\n";
+    text += "displacement error of real films: RMS in mm, and share of the mean square\n\n";
     let mut table = vec![row("", ["x", "y", "z"].map(str::to_owned))];
     for part in &found.parts {
         table.push(row(&part.name, with_share(part.mean_square_mm2, part.share)));
@@ -88,20 +88,23 @@ fn text(film: &Film, found: &FilmBudget) -> String {
     text += &rows::table(&COLUMNS, &table);
     text.push('\n');
     if let Some(why) = &found.no_pattern {
-        rows::prose(&mut text, &format!("the splicing pattern and the end of the film are not told apart: {why}"));
+        rows::prose(&mut text, &format!("the splicing pattern and the end of the film are not separated: {why}"));
     }
     if let Some(squares_mm2) = found.compensated_pattern_mm2 {
         let [x, y, z] = squares_mm2.to_array().map(rms);
         let sentence = format!(
-            "the same splicing pattern without end would be off by {x}, {y}, {z} mm, which the end of the film \
-             compensates"
+            "the same splicing pattern without end would have an error of {x}, {y}, {z} mm; the end of the film \
+             compensates it"
         );
         rows::prose(&mut text, &sentence);
     }
     rows::prose(&mut text, &validity(found));
     let causes = listed(found, &found.worth_halving);
     if !causes.is_empty() {
-        rows::prose(&mut text, &format!("most worth halving, with what is saved of the total mean square: {causes}"));
+        rows::prose(
+            &mut text,
+            &format!("causes most worth halving, with the share of the total mean square saved: {causes}"),
+        );
     }
     let tiles = listed(found, &found.tiles_worth_halving);
     if !tiles.is_empty() {
@@ -146,13 +149,10 @@ fn validity(found: &FilmBudget) -> String {
     };
     let ratios = [("x", x), ("y", y), ("z", z)].map(ratio).join(", ");
     if found.is_first_order {
-        format!(
-            "the first order holds within 5 %: mean squares of {} of the same films over it: {ratios}",
-            exact_samples(found)
-        )
+        format!("the first order holds within 5 %: mean square of {} / first order: {ratios}", exact_samples(found))
     } else {
         format!(
-            "the first order does not hold within 5 % (mean squares of exact samples over it: {ratios}), so each cause \
+            "the first order does not hold within 5 % (mean square of exact samples / first order: {ratios}), so each cause \
              was sampled alone; halving a cause saves about three quarters of its part"
         )
     }

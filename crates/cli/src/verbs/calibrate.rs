@@ -20,11 +20,11 @@ use crate::text::{header, rows};
 
 /// Fit the stiffness of the elastic layer: forces against displacements.
 ///
-/// Each row has a force on the film and what the sensor read. The displacement of the film is found
-/// from the reading, by the exact field of the layout and, with [ideal], by the closed form of the
-/// ideal film. For each axis and each way, a line F = stiffness x displacement + force at rest is
-/// fitted by least squares (Dai 2024, Eqs. 16 and 17): six coefficients, with intervals of 95 %
-/// confidence.
+/// Each row has a force on the film and a reading of the sensor. The displacement of the film is
+/// computed from the reading, by the exact field of the layout and, with [ideal], by the closed
+/// form of the ideal film. For each axis and each direction, a line F = stiffness x displacement +
+/// force at rest is fitted by least squares (Dai 2024, Eqs. 16 and 17): six coefficients, with
+/// intervals of 95 % confidence.
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  magsplice calibrate forces.csv --layout film.toml --zero 20")]
 pub(crate) struct CalibrateArgs {

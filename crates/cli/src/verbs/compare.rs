@@ -34,7 +34,7 @@ pub(crate) struct CompareArgs {
 pub(crate) fn run(args: &CompareArgs, quiet: bool) -> Result<(), Failure> {
     let session = Session::open_with_points(&args.layout, args.points.path(), remarks::OF_COMPARISONS, quiet)?;
     // A layout without an ideal film is refused before the field is computed.
-    let purpose = "compares the field with that of the ideal, sinusoidal film";
+    let purpose = "compares the field with the field of the ideal, sinusoidal film";
     session.require_film(args.points.path().is_none(), "compare", purpose)?;
     let film = session.film()?.with_accuracy(args.accuracy.accuracy());
     let given = GivenPoints::read(&session, &args.points, false)?;

@@ -26,8 +26,8 @@ use crate::text::{header, recoil, rows};
 ///
 /// Text is a report. JSON is the report with every point of the working volume. The other formats
 /// hold B, R_x, R_y and S_z at every point. With --points they also hold the errors of the
-/// parameters and of the displacement at each point; there is no uniformity RMSE then, which needs
-/// a grid.
+/// parameters and of the displacement at each point, without the uniformity RMSE, which needs a
+/// grid.
 #[derive(clap::Args)]
 #[command(
     after_help = "Example:\n  magsplice decouple layouts/published-film.toml\n  magsplice decouple layouts/published-film.toml -o film.npz"
@@ -178,7 +178,7 @@ fn errors_at_points(found: &FilmPointDecoupling) -> String {
     }
     text += &changes_from(found.reference_mm);
     text += &singular_points(&found.decoupling.singular);
-    text + &format!("  uniformity RMSE: left out, {}\n", found.left_out.uniformity_rmse)
+    text + &format!("  uniformity RMSE: undefined, {}\n", found.left_out.uniformity_rmse)
 }
 
 fn changes_from(r: DVec3) -> String {
@@ -192,7 +192,7 @@ fn singular_points(points: &[DVec3]) -> String {
     let named: Vec<String> =
         points.iter().take(PRINTED_FAULTS).map(|p| format!("({}, {}, {})", p.x, p.y, p.z)).collect();
     let rest = if points.len() > PRINTED_FAULTS { " and more" } else { "" };
-    format!("  singular points (B_z = 0), left out: {}, at {}{rest} mm\n", points.len(), named.join(" "))
+    format!("  singular points (B_z = 0), excluded: {}, at {}{rest} mm\n", points.len(), named.join(" "))
 }
 
 /// Parameters and displacement errors at each of a few points; nothing for many.

@@ -1,4 +1,4 @@
-//! `magsplice experiment`: moves the film and prints what its sensor reads.
+//! `magsplice experiment`: moves the film and prints the readings of its sensor.
 
 use std::path::{Path, PathBuf};
 
@@ -19,17 +19,17 @@ use crate::remarks;
 use crate::session::{OF_SENSORS, Session};
 use crate::text::number::counted;
 
-/// Move the film along x, y and z, and tell what its sensor reads.
+/// Move the film along x, y and z, and compute the readings of its sensor.
 ///
 /// The film moves by multiples of a step as far as the sensor stays in the working volume: in shear
 /// along x and y, and towards the sensor along z (Dai 2024, Fig. 9). The table has the displacement
-/// of the film, the readings, R_x, R_y and S_z, and the displacement that the readings tell: by the
-/// field of the layout and, with [ideal], by the closed form. With [elastomer] it also has the
+/// of the film, the readings, R_x, R_y and S_z, and the displacement computed from the readings: by
+/// the field of the layout and, with [ideal], by the closed form. With [elastomer] it also has the
 /// forces (Eqs. 16 and 17), so that `magsplice calibrate` reads it. With [sensor] the readings are
-/// those of this sensor.
+/// from this sensor.
 ///
 /// The film that is read may differ from the layout: it is bent, then turned about its centre, then
-/// shifted. Its tiles follow as rigid blocks. Displacements count from where it seems to be at
+/// shifted. Its tiles follow as rigid blocks. Displacements count from its apparent position at
 /// rest, as with `read --rest`.
 #[derive(clap::Args)]
 #[command(
@@ -89,7 +89,7 @@ pub(crate) fn run(args: &ExperimentArgs, quiet: bool) -> Result<(), Failure> {
     session.volume(OF_SENSORS)?;
     let has_noise = film.layout().sensor.as_ref().is_some_and(|sensor| sensor.element.noise_t != DVec3::ZERO);
     if args.seed.is_some() && !has_noise {
-        let message = "the layout states no noise for --seed: give noise_ut or part in [sensor]";
+        let message = "the layout has no noise for --seed: give noise_ut or part in [sensor]";
         return Err(Failure::at(&args.layout, message));
     }
     let format = choice::choose_rows(args.format, args.output.as_deref(), "steps")?;
@@ -99,7 +99,7 @@ pub(crate) fn run(args: &ExperimentArgs, quiet: bool) -> Result<(), Failure> {
     let deformation = deformation(args)?;
     let made = (deformation != Deformation::default()).then(|| film.deformed(&deformation)).transpose();
     let made = made.map_err(|error| {
-        Failure::at(&args.layout, format_args!("the film cannot be bent or moved so (lengths in mm): {error}"))
+        Failure::at(&args.layout, format_args!("this bend or shift of the film is impossible (lengths in mm): {error}"))
     })?;
     let found = film.experiments(args.step, args.seed, made.as_ref()).map_err(|error| session.failed(error))?;
     table::write(&found.table(), &found, format, &mut output)?;

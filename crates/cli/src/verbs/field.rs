@@ -27,8 +27,9 @@ use crate::words::no_field;
 
 /// Compute the field at points and write it as CSV or another table format.
 ///
-/// The points are the grid of the layout's working volume, or those of a CSV file. Results keep the
-/// order of the points. Numbers are written with enough digits to read back to the same number.
+/// The points are the grid of the layout's working volume, or the points of a CSV file. Results
+/// keep the order of the points. Numbers are written with enough digits to read back to the same
+/// number.
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  magsplice field layouts/published-film.toml --points points.csv -o field.csv")]
 pub(crate) struct FieldArgs {
@@ -45,8 +46,8 @@ pub(crate) struct FieldArgs {
     /// Quantity to compute
     #[arg(long, value_enum, ignore_case = true, default_value = "b")]
     quantity: QuantityArg,
-    /// What to do with points at which the field is unbounded, on exposed edges of tiles; for
-    /// gradients also points on shared edges
+    /// Handling of points at which the field is unbounded, on exposed edges of tiles; for gradients
+    /// also points on shared edges
     ///
     /// Edges parallel to J are bounded.
     #[arg(long, value_enum, ignore_case = true, default_value = "error")]
@@ -69,9 +70,9 @@ enum QuantityArg {
 
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
 enum UnboundedArg {
-    /// Name the points and write nothing
+    /// List the points and write nothing
     Error,
-    /// Write NaN there (null in JSON) and name the points on standard error
+    /// Write NaN there (null in JSON) and list the points on standard error
     Nan,
 }
 

@@ -22,16 +22,16 @@ use crate::session::Session;
 use crate::text::number::counted;
 use crate::text::{header, rows};
 
-/// Tell with what force and torque the tiles of a film act on each other.
+/// Compute the force and torque on each tile.
 ///
-/// Each tile has the force by all others, and the torque about its own centre. Tiles with parallel
-/// edges have them in closed form, exact to round-off, also where they touch. The magnetization is
-/// rigid: a tile is not magnetized by the field of the others.
+/// Each tile has the force by all others, and the torque about its own centre. They have a closed
+/// form for tiles with parallel edges, exact to round-off, also where the tiles touch. The
+/// magnetization is rigid: the field of the other tiles does not magnetize a tile.
 ///
-/// With --order, tiles are laid one after another, each at its place, where it is glued. The
-/// holding of a step is the magnitude of the force on the tile that is being laid, by those that
-/// are already there. The holding of an order is the largest of its steps. --order least searches
-/// the order with the least holding, and prints a bound that no order is below.
+/// With --order, tiles are placed one after another, each at its place, where it is glued. The
+/// holding of a step is the magnitude of the force on the tile that is being placed, by the tiles
+/// already there. The holding of an order is the largest of its steps. --order least searches the
+/// order with the least holding, and prints a lower bound for all orders.
 #[derive(Args)]
 #[command(after_help = "Example:\n  magsplice forces layouts/published-film.toml\n  \
     magsplice forces film.toml --order least --figure order.svg --format csv -o order.csv\n  \
@@ -39,14 +39,14 @@ use crate::text::{header, rows};
 pub(crate) struct ForcesArgs {
     /// Layout file
     layout: PathBuf,
-    /// Order of laying: given (that of the layout file), least (searched), or a CSV file whose
+    /// Placement order: given (the order of the layout file), least (searched), or a CSV file whose
     /// column tile has the names of the tiles
     #[arg(long, value_name = "ORDER")]
     order: Option<String>,
     /// Seed of the random numbers of --order least
     #[arg(long, value_name = "S", default_value = "1", requires = "order")]
     seed: u64,
-    /// Largest relative error of the force of two tiles that are turned against each other
+    /// Largest relative error of the force between two tiles that are turned against each other
     #[arg(long, value_name = "ERROR", default_value = "1e-9", value_parser = relative_error)]
     turned_error: f64,
     /// File for a figure of the tiles with their forces: .svg or .png
@@ -76,7 +76,7 @@ pub(crate) enum ForcesFormat {
     Text,
     /// Tiles, sums, and steps of the order
     Json,
-    /// One line per tile, in the order of laying
+    /// One line per tile, in placement order
     Csv,
 }
 
@@ -134,7 +134,7 @@ const UNITS: [(&str, f64); 3] = [("N", 1.0), ("mN", 1e-3), ("uN", 1e-6)];
 /// A unit is used down to this fraction of it.
 const SMALLEST_LARGEST: f64 = 0.1;
 
-/// The loads on tiles, and an order of laying, as tables.
+/// The loads on tiles, and a placement order, as tables.
 fn text(layout: &Layout, loads: &FilmLoads) -> String {
     let mut text = header::layout(layout);
     text += "force on each tile by all others, and torque about its centre; ";
@@ -176,11 +176,11 @@ fn text(layout: &Layout, loads: &FilmLoads) -> String {
 fn ordered(text: &mut String, order: &OrderedLoads) {
     let is_given = order.source == "given";
     let what = match order.seed {
-        Some(seed) => format!("order with the least holding that was found, seed {seed}"),
+        Some(seed) => format!("order with the least holding found, seed {seed}"),
         None if is_given => "order of the layout file".to_owned(),
         None => format!("order of {}", order.source),
     };
-    let _ = writeln!(text, "\n{what}: load on each tile while it is laid, by those already there\n");
+    let _ = writeln!(text, "\n{what}: load on each tile while it is placed, by the tiles already placed\n");
     let unit = Unit::for_forces(order.holding_n);
     *text += &unit.table(&order.steps, true);
     text.push('\n');
@@ -188,7 +188,7 @@ fn ordered(text: &mut String, order: &OrderedLoads) {
     let (holding, step) = (unit.force(order.holding_n), order.hardest_step);
     let _ = writeln!(text, "holding         {holding} at step {step}, {}", hardest.name);
     if let (Some(bound_n), Some(greedy_n)) = (order.bound_n, order.greedy_holding_n) {
-        let _ = writeln!(text, "bound           {}, which no order is below", unit.force(bound_n));
+        let _ = writeln!(text, "bound           {}, a lower bound for all orders", unit.force(bound_n));
         let _ = writeln!(text, "greedy order    {}", unit.force(greedy_n));
     }
     if !is_given {

@@ -44,11 +44,10 @@ pub(crate) struct ImportArgs {
     /// Order of Euler angles: xyz about the fixed axes (extrinsic), XYZ about the axes of the
     /// turned block (intrinsic), as in scipy
     ///
-    /// The columns rx_deg, ry_deg, rz_deg name the axes, and the order says which of them comes
-    /// first. The columns euler_1_deg, euler_2_deg, euler_3_deg are the first, second and third
-    /// turn; orders with a letter twice, such as zxz, take these. With --euler zyx, rx_deg = 10,
-    /// ry_deg = 20, rz_deg = 30 is the same as euler_1_deg = 30, euler_2_deg = 20,
-    /// euler_3_deg = 10.
+    /// The columns rx_deg, ry_deg, rz_deg give an angle per axis, and the option gives their order.
+    /// The columns euler_1_deg, euler_2_deg, euler_3_deg are the first, second and third turn;
+    /// orders with a letter twice, such as zxz, take these. With --euler zyx, rx_deg = 10, ry_deg =
+    /// 20, rz_deg = 30 is the same as euler_1_deg = 30, euler_2_deg = 20, euler_3_deg = 10.
     #[arg(long, value_name = "ORDER", value_parser = order)]
     euler: Option<EulerOrder>,
     /// Unit of positions and sizes without a unit in their names; the names are still needed

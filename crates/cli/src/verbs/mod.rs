@@ -4,7 +4,7 @@
 pub(crate) mod assign;
 /// Measures how fast the field is computed.
 pub(crate) mod bench;
-/// Tells where the displacement error of the films that are made comes from.
+/// Divides the displacement error of real films by its causes.
 pub(crate) mod budget;
 /// Fits the stiffness of the elastic layer.
 pub(crate) mod calibrate;
@@ -18,9 +18,9 @@ pub(crate) mod completions;
 pub(crate) mod decouple;
 /// Searches for a better film.
 pub(crate) mod design;
-/// Tells which tiles of a film that was made are wrong.
+/// Finds the faulty tiles of a real film.
 pub(crate) mod diagnose;
-/// Moves the film and tells what its sensor reads.
+/// Moves the film and computes the readings of its sensor.
 pub(crate) mod experiment;
 /// Writes the film for another program.
 pub(crate) mod export;
@@ -34,12 +34,12 @@ pub(crate) mod import;
 pub(crate) mod init;
 /// Shows which methods a tolerance allows.
 pub(crate) mod plan;
-/// Finds displacements of the sensor from what it read.
+/// Finds displacements of the sensor from its readings.
 pub(crate) mod read;
 /// Draws figures and a page.
 #[cfg(feature = "report")]
 pub(crate) mod report;
-/// Tells how small displacements noise lets a sensor see.
+/// Computes the displacement resolution of a sensor with noise.
 pub(crate) mod resolution;
 /// Compares a measured scan with the layout.
 pub(crate) mod scan;
@@ -49,7 +49,7 @@ pub(crate) mod schema;
 pub(crate) mod splice;
 /// Lists the tiles of a layout and its bill of materials.
 pub(crate) mod tiles;
-/// Samples the films that are made from a layout.
+/// Samples the real films of a layout.
 pub(crate) mod tolerance;
 
 use clap::{Command, Subcommand};

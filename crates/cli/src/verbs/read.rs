@@ -1,4 +1,4 @@
-//! `magsplice read`: displacements of the sensor from what it read.
+//! `magsplice read`: displacements of the sensor from its readings.
 
 use std::path::{Path, PathBuf};
 
@@ -16,22 +16,22 @@ use crate::output::{choice, table};
 use crate::remarks;
 use crate::session::{OF_SENSORS, Session};
 
-/// Find where the sensor was when it read given flux densities.
+/// Find the displacement of the sensor from its readings of the flux density.
 ///
-/// The result is the displacement of the sensor from the reference point of the working volume, in
-/// the frame of the film. The film has moved by the opposite. The exact field of the layout gives
-/// it, so that it does not contain the error of the splicing pattern and of the end of the film.
-/// With [ideal] the result also has the displacement by the closed form of the ideal film (Dai
-/// 2024, Eqs. 14 and 15), and with --noise the standard deviations that noise causes.
+/// The displacement is from the reference point of the working volume, in the frame of the film.
+/// The film has moved by the opposite. The displacement is computed from the exact field of the
+/// layout, so that it does not contain the error of the splicing pattern and of the end of the
+/// film. With [ideal] the result also has the displacement by the closed form of the ideal film
+/// (Dai 2024, Eqs. 14 and 15), and with --noise the standard deviations that noise causes.
 ///
-/// Readings without a position in the working volume, or with two, are named on standard error. The
-/// displacement is NaN where there are two positions or none. The column `status` is 0 for a
+/// Readings without a position in the working volume, or with two, are listed on standard error.
+/// The displacement is NaN where there are two positions or none. The column `status` is 0 for a
 /// position in the volume, 1 for one outside by more than four deviations of the noise, 2 for two
 /// positions, 3 for none, and 4 for a reading at the limit of the sensor's range.
 ///
-/// With [sensor] in the layout, the readings are those of this sensor, with its plates, gains,
-/// offsets and rotation, and its noise is that of --noise. With [elastomer], the result has the
-/// force on the film.
+/// With [sensor] in the layout, the readings are from this sensor, with its plates, gains, offsets
+/// and rotation, and --noise defaults to its noise. With [elastomer], the result has the force on
+/// the film.
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  magsplice read readings.csv --layout film.toml --noise 5uT -o moved.csv")]
 pub(crate) struct ReadArgs {
@@ -41,13 +41,13 @@ pub(crate) struct ReadArgs {
     #[arg(long, value_name = "LAYOUT")]
     layout: PathBuf,
     /// Standard deviation of a reading, such as 5uT, or of its x, y and z: 5uT,5uT,8uT [default:
-    /// that of [sensor] in the layout]
+    /// the noise of [sensor] in the layout]
     #[arg(long, value_name = "NOISE", value_parser = noise)]
     noise: Option<Noise>,
     /// The first N readings are of the sensor at rest at the reference point: their mean, less the
     /// field of the film there, is subtracted from all
     ///
-    /// A constant stray field and the offset of the sensor are then without effect.
+    /// A constant stray field and the offset of the sensor then have no effect.
     #[arg(long, value_name = "N", default_value = "0")]
     zero: usize,
     /// The first N readings are of the sensor at rest: displacements count from the position of

@@ -1,4 +1,4 @@
-//! `magsplice resolution`: the displacements that noise lets a sensor see.
+//! `magsplice resolution`: the displacement resolution of a sensor with noise.
 
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -18,13 +18,13 @@ use crate::text::number::number;
 use crate::text::units::in_ut;
 use crate::text::{header, rows};
 
-/// Tell how small displacements the noise of a sensor lets it see, over the working volume.
+/// Compute the displacement resolution of a sensor with noise, over the working volume.
 ///
-/// The standard deviations of the displacement along x, y and z that normal noise of the readings
-/// causes: by the exact field (no estimate from one reading has smaller ones: the bound of Cramér
-/// and Rao), and, with [ideal], by the closed form of the ideal film (Dai 2024, Eqs. 14 and 15).
-/// The text has their root mean squares over the volume, and the largest. With -o, a table of every
-/// point is written.
+/// The noise of the readings is normal. It causes standard deviations of the displacement along x,
+/// y and z: by the exact field (the bound of Cramér and Rao; no unbiased estimate from one reading
+/// has smaller ones), and, with [ideal], by the closed form of the ideal film (Dai 2024, Eqs. 14
+/// and 15). The text has their root mean squares over the volume, and the largest. With -o, a table
+/// of every point is written.
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  magsplice resolution layouts/published-film.toml --noise 5uT\n  \
     magsplice resolution film.toml --noise 5uT,5uT,8uT -o resolution.vti")]
@@ -32,7 +32,7 @@ pub(crate) struct ResolutionArgs {
     /// Layout file
     layout: PathBuf,
     /// Standard deviation of a reading, such as 5uT, or of its x, y and z: 5uT,5uT,8uT [default:
-    /// that of [sensor] in the layout]
+    /// the noise of [sensor] in the layout]
     #[arg(long, value_name = "NOISE", value_parser = noise)]
     noise: Option<Noise>,
     /// File for a table of all points, complete or not at all
@@ -80,7 +80,7 @@ pub(super) fn text(resolution: &FilmResolution) -> String {
         let _ = writeln!(
             text,
             "out of range: the flux density exceeds the range of the sensor at {saturated} of {all} points, which are \
-             left out below"
+             excluded below"
         );
     }
     text += "\n";
@@ -102,7 +102,7 @@ fn micro(value: f64) -> String {
 fn summary(text: &mut String, title: &str, summary: Option<ResolutionSummary>) {
     let _ = writeln!(text, "{title}");
     let Some(ResolutionSummary { rms_mm, least_mm, largest_mm, worst_at_mm: DVec3 { x, y, z } }) = summary else {
-        let _ = writeln!(text, "  nothing is seen");
+        let _ = writeln!(text, "  no displacement is resolved");
         return;
     };
     for (name, value) in [("RMS over the volume", rms_mm), ("least", least_mm), ("largest", largest_mm)] {

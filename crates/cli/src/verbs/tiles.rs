@@ -23,8 +23,8 @@ use crate::text::units::in_deg;
 /// List the tiles of a layout and its bill of materials.
 ///
 /// The bill counts the pieces of each part. Tiles that differ only in position and orientation are
-/// the same part. Angles are those of the polarization from the first side of a part towards the
-/// second.
+/// the same part. Angles give the direction of the polarization, from the first side of a part
+/// towards the second.
 #[derive(clap::Args)]
 #[command(
     after_help = "Example:\n  magsplice tiles layouts/published-film.toml --kerf-mm 0.2\n  magsplice tiles layouts/published-film.toml --format csv > cut-list.csv"

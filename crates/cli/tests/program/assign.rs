@@ -316,7 +316,7 @@ fn wrong_tables_are_refused_by_line() {
     sandbox.write("tiles.csv", &lines[..lines.len() - 1].join("\n"));
     run(&[]).refuses("places) has");
     sandbox.write("tiles.csv", "tile,part,jx,jy,jz\na,1,1,2,3\n");
-    run(&[]).refuses("line 1: polarization in the column jx has no unit, must name one of");
+    run(&[]).refuses("line 1: polarization in the column jx has no unit, must have one of");
     sandbox.write("tiles.csv", &good);
     run(&["--shim", "nowhere"]).refuses("--shim nowhere: must be the name of a tile of the layout");
     run(&["-o", "tiles.csv"]).refuses("it is an input, which would be lost");
@@ -346,7 +346,8 @@ fn wrong_tables_are_refused_by_line() {
     placed(&row(place, "x", mark, "yes")).refuses("line 2: tile = \"x\", must be one of the measured tiles");
     placed(&row(place, tile, mark, "maybe")).refuses("line 2: laid = \"maybe\", must be yes or no");
     let turned = (mark.parse::<f64>().unwrap() + 90.0).to_string();
-    placed(&row(place, tile, &turned, "yes")).refuses("its polarization does not fit the place; the mark must be near");
+    placed(&row(place, tile, &turned, "yes"))
+        .refuses("its polarization does not fit the place; its orientation must be near:");
     placed(&format!("{0}\n{0}", rows[1])).refuses("line 3: place");
 }
 
@@ -375,10 +376,10 @@ fn samples_of_sorted_tiles() {
     let joined: Value = serde_json::from_str(&joined.stdout).expect("JSON");
     assert_eq!(number(&joined["displacement_rmse_mm"]["x"]["p50"]["value"]), with);
     assert_eq!(joined["sorting"]["spares"], 14);
-    sandbox.run(&merge).refuses("has now, or of other options of --sorted");
+    sandbox.run(&merge).refuses("other errors or other options of --sorted than");
     sandbox.run(&[&usual[..], &["--strength-error", "1%"]].concat()).refuses("give --sorted");
     let text = sandbox.run(&["tolerance", &film, "--preset", "jig", "--samples", "2", "--sorted", "-q"]).stdout;
-    assert!(text.contains("tiles are measured and sorted before they are laid: 0 spare tiles;"), "{text}");
+    assert!(text.contains("tiles are measured and sorted before they are placed: 0 spare tiles;"), "{text}");
 }
 
 /// The film that is written has the errors that were stated but for what recoil is neglected, and

@@ -73,7 +73,7 @@ fn report_says_what_is_left_out() {
     assert_eq!(said.status, 0, "{}", said.stderr);
     for line in [
         "at 2 points of points.csv",
-        "  uniformity RMSE: left out, needs the planes of a grid, as without --points",
+        "  uniformity RMSE: undefined, needs the planes of a grid, as without --points",
         "  (1, 0.5, -4) mm",
         "    at (1, 0.5, -4) mm",
     ] {

@@ -105,7 +105,7 @@ fn failed_update_keeps_the_earlier_files() {
     let layout = sandbox.read("films/film.toml");
     let said = sandbox.run(&["check", "--update", "films/film.toml"]);
     assert_eq!(said.status, 2);
-    assert!(said.stdout.contains("cannot write films/film.toml: it is no baseline"), "{}", said.stdout);
+    assert!(said.stdout.contains("cannot write films/film.toml: it does not begin with"), "{}", said.stdout);
     assert_eq!(sandbox.read("films/film.toml"), layout);
     // Points of the volume on an exposed edge have no field.
     published(&sandbox, |text| {
@@ -145,8 +145,7 @@ fn update_replaces_nothing_but_a_baseline() {
         let said = sandbox.run(&["check", "--update", "films/film.toml"]);
         assert_eq!(said.status, 2);
         assert!(
-            said.stdout
-                .contains("cannot write films/../notes.txt: it is no baseline, which begins with the line x_mm,")
+            said.stdout.contains("cannot write films/../notes.txt: it does not begin with x_mm,")
                 && said.stdout.contains(" and would be lost: delete it first\n"),
             "{}",
             said.stdout
@@ -188,7 +187,7 @@ fn update_refuses_a_baseline_of_two_layouts() {
         }
         let said = sandbox.run(&["check", "--update", "films"]);
         assert_eq!((said.status, said.stdout.as_str()), (2, ""));
-        let both = "the layouts films/film.toml and films/other.toml name the same baseline";
+        let both = "the layouts films/film.toml and films/other.toml have the same baseline";
         assert!(said.stderr.contains(both), "{}", said.stderr);
         assert_eq!(sandbox.path("films/published.field.csv").exists(), exists);
         assert!(!exists || sandbox.read("films/published.field.csv") == baseline);

@@ -61,7 +61,7 @@ fn singular_points_are_counted_and_named() {
     );
     let said = sandbox.run(&["decouple", "shear.toml"]);
     assert_eq!(said.status, 0, "{}", said.stderr);
-    let named = "singular points (B_z = 0), left out: 6, at (0, -1, -5) (0, -1, -4) (0, 0, -5)";
+    let named = "singular points (B_z = 0), excluded: 6, at (0, -1, -5) (0, -1, -4) (0, 0, -5)";
     assert!(said.stdout.contains(named), "{}", said.stdout);
     let json: Value =
         serde_json::from_str(&sandbox.run(&["decouple", "shear.toml", "--format", "json"]).stdout).unwrap();

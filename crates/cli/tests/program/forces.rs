@@ -86,9 +86,12 @@ fn wrong_orders_are_refused() {
         sandbox.write("order.csv", order);
         sandbox.run(&["forces", "film.toml", "--order", "order.csv"]).refuses(message);
     };
-    refused("tile\nupper\n", "order.csv: 1 tile of the layout is missing, such as lower: each tile must be laid once");
+    refused(
+        "tile\nupper\n",
+        "order.csv: 1 tile of the layout is missing, such as lower: each tile must be placed once",
+    );
     refused("tile\nupper\nlow\n", "order.csv: line 3: the layout has no tile");
-    refused("tile\nupper\nupper\nlower\n", "order.csv: line 3: tile upper is laid at line 2 already");
+    refused("tile\nupper\nupper\nlower\n", "order.csv: line 3: tile upper is already placed at line 2");
     refused("name\nupper\nlower\n", "order.csv: line 1: has no column tile with the names of the tiles");
     sandbox.run(&["forces", "film.toml", "--order", "best"]).refuses("best: cannot read");
     sandbox.run(&["forces", "film.toml", "-o", "film.toml"]).refuses("no format has the ending .toml");

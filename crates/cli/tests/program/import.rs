@@ -166,7 +166,7 @@ fn columns_that_are_missing_or_contradict_are_named() {
         (
             &format!("x,y,z,{size},{j}"),
             &[],
-            &["position in the column x has no unit, must name one of: mm, cm, um, µm, m"],
+            &["position in the column x has no unit, must have one of: mm, cm, um, µm, m"],
         ),
         (
             &format!("x_mm,y_mm,z_mm,{size},{j}"),
@@ -189,7 +189,7 @@ fn columns_that_are_missing_or_contradict_are_named() {
         (
             &format!("x_mm,y_mm,z_mm,{size},{j},rx_deg,ry_deg,rz_deg"),
             &["--euler", "zxz"],
-            &["do not say which rotation about z of the order zxz is meant: name its angles euler_1_deg, euler_2_deg"],
+            &["fit two rotations about z of the order zxz: name its angles euler_1_deg, euler_2_deg"],
         ),
         (
             &format!("x_mm,y_mm,z_mm,{size},{j},rx_grad,ry_deg,rz_deg"),
@@ -310,7 +310,7 @@ fn one_euler_angle_goes_with_orders_of_a_repeated_axis() {
         "the column ry is a rotation about y, which the order zxz does not have: leave out --euler, or give the angles of \
          zxz as euler_1_deg, euler_2_deg, euler_3_deg",
     );
-    refused("rx_deg,rz_deg", "10,30", "the columns rx, rz do not say which rotation about z of the order zxz is meant");
+    refused("rx_deg,rz_deg", "10,30", "the columns rx, rz fit two rotations about z of the order zxz");
 }
 
 #[test]
@@ -356,6 +356,6 @@ fn metres_under_names_in_mm_are_remarked_on() {
 #[test]
 fn magnetization_without_a_unit_is_one_fault() {
     let (_, said) = import("x_mm,y_mm,z_mm,dx_mm,dy_mm,dz_mm,Mx,My,Mz\n0,0,0,1,1,1,0,0,1\n", &[]);
-    said.refuses("magnetization in the column Mx has no unit, must name one of: A_per_m, kA_per_m, A/m, kA/m\n");
+    said.refuses("magnetization in the column Mx has no unit, must have one of: A_per_m, kA_per_m, A/m, kA/m\n");
     assert!(said.stderr.lines().count() == 3 && !said.stderr.contains("no columns of"), "{}", said.stderr);
 }

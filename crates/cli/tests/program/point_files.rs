@@ -61,7 +61,7 @@ fn columns_name_their_unit_in_any_form() {
 
 #[test]
 fn units_that_are_missing_or_contradict_are_named() {
-    let bare = "points.csv: line 1: columns x, y, z without a unit: name it, as in x_mm,y_mm,z_mm, or give --unit mm or --unit m";
+    let bare = "points.csv: line 1: columns x, y, z without a unit: rename, as in x_mm,y_mm,z_mm, or give --unit mm or --unit m";
     refused("x,y,z\n1,2,3\n", &[], bare);
     refused("# x y z\n1 2 3\n", &[], "line 1: columns x, y, z without a unit");
     refused("x_mm,y_mm,z_mm\n1,2,3\n", &["--unit", "m"], "x_mm, y_mm, z_mm contradicts --unit m: leave out the option");

@@ -181,7 +181,7 @@ fn ctrl_c_gives_the_result_so_far() {
 fn tolerance_says_what_it_needs() {
     let sandbox = Sandbox::new();
     let bare = sandbox.run(&["tolerance", &shipped("published-film")]);
-    bare.refuses("the layout has no [tolerance] table, which states the errors of the films that are made");
+    bare.refuses("the layout has no [tolerance] table with the errors of real films");
     film(&sandbox, WORKSHOP);
     let run = |arguments: &[&str]| sandbox.run(&[&["tolerance", "film.toml"], arguments].concat());
     run(&["--samples", "10", "--first", "10"]).refuses("--first 10 is beyond the last sample, of 10 samples");
@@ -318,7 +318,7 @@ fn budget_divides_the_error_into_its_causes() {
     let names = [&published[0]["name"], &published[1]["name"]];
     assert_eq!(names, ["splicing pattern", "end of the film"]);
     let text = sandbox.run(&["budget", "film.toml"]).stdout;
-    assert!(text.contains("the same splicing pattern without end would be off by 0.0032, "), "{text}");
+    assert!(text.contains("the same splicing pattern without end would have an error of 0.0032, "), "{text}");
     assert!(text.contains("most worth halving") && text.contains("the first order holds within 5 %"), "{text}");
     assert!(text.lines().all(|line| line.len() <= 100), "{text}");
 

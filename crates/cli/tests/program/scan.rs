@@ -111,7 +111,7 @@ fn gaps_repeated_positions_and_outliers_are_named() {
     assert_eq!(said.status, 0, "{}", said.stderr);
     let named = "404 readings on a grid of 9 x 9 x 5; 2 missing: (-2, -0.5, -3), (0, 0, -5) mm; 1 repeated: line 22";
     assert!(said.stdout.contains(named), "{}", said.stdout);
-    assert!(said.stderr.contains("scan.csv: line 101: left out, because it is off by ("), "{}", said.stderr);
+    assert!(said.stderr.contains("scan.csv: line 101: excluded as an outlier, residual ("), "{}", said.stderr);
     assert!(said.stdout.lines().all(|line| line.len() <= 140), "{}", said.stdout);
     let result = fitted(&sandbox, &[]);
     assert_eq!(result["left_out"], serde_json::json!([101]));
@@ -136,7 +136,7 @@ fn scans_that_cannot_be_fitted_are_refused() {
     with(&format!("{names}\n0,0,-4,0,0,3\n"))
         .refuses("scan.csv: too few readings for the parameters: 1, must be at least 5");
     with(&format!("{names}\n{}", "0,0,-4,0,0,3\n".repeat(9))).refuses("scan.csv: the scan does not determine ");
-    with("x,y,z,bx_mt,by_mt,bz_mt\n0,0,-4,0,0,3\n").refuses("line 1: the column x has no unit: name it, such as x_mm");
+    with("x,y,z,bx_mt,by_mt,bz_mt\n0,0,-4,0,0,3\n").refuses("line 1: the column x has no unit: rename it, as in x_mm");
     with("bx_mt,by_mt,bz_mt\n0,0,3\n").refuses("has no column x with a unit, such as x_mm or x (mm)");
     with(&format!("{names}\n0,0,-4,0,a,3\n")).refuses("line 2: by_mt = \"a\", must be a finite number");
 }

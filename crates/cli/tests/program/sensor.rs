@@ -118,7 +118,7 @@ fn faulty_files_of_readings_are_refused() {
     };
     with("bx_mt,by_mt,bz_mt\n", &[]).refuses("b.csv: has no readings below its names of columns");
     with("bx_mt,by_mt\n1,2\n", &[]).refuses("b.csv: line 1: has no column bz with a unit, such as bz_mt or bz (mT)");
-    with("bx_mt,by,bz_mt\n1,2,3\n", &[]).refuses("b.csv: line 1: the column by has no unit: name it, such as by_mt");
+    with("bx_mt,by,bz_mt\n1,2,3\n", &[]).refuses("b.csv: line 1: the column by has no unit: rename it, as in by_mt");
     with("bx_mt,by_mt,bz_g\n1,2,3\n", &[]).refuses("the column bz_g has the unit g, must be one of: mT, uT, ");
     with("bx_mt,by_mt,bz_mt\n1,2,3\n", &["--unit", "t"]).refuses("--unit contradicts the column bx_mt");
     with("bx_mt,by_mt,bz_mt\n1,x,3\n1,2\n", &[]).refuses("line 2: by_mt = \"x\", must be a finite number");
@@ -128,7 +128,7 @@ fn faulty_files_of_readings_are_refused() {
     let tile = "[[tile]]\nposition_mm = [0, 0, 1]\nsize_mm = [1, 1, 1]\npolarization_t = [0, 0, 1]\n";
     sandbox.write("film.toml", &format!("format = 1\nname = \"a tile\"\n{tile}"));
     let said = sandbox.run(&["read", "b.csv", "--layout", "film.toml", "--unit", "mT"]);
-    said.refuses("film.toml: the layout has no [volume] table, which says where the sensor may be");
+    said.refuses("film.toml: the layout has no [volume] table with the region of the sensor");
 }
 
 /// The deviations of `read` at the points of the volume are those of `resolution`. Twice the noise

@@ -108,9 +108,7 @@ fn noise_is_that_of_the_sensor_and_of_the_seed() {
     assert!(said.stdout.contains("readings a second: 100; the mean of n has 1/sqrt(n)"), "{}", said.stdout);
     film_with(&sandbox, "[sensor]\nrange_mt = 10");
     sandbox.run(&["resolution", "film.toml"]).refuses("film.toml: the layout has no noise: give --noise, such as 5uT");
-    sandbox
-        .run(&["experiment", "film.toml", "--seed", "1"])
-        .refuses("film.toml: the layout states no noise for --seed");
+    sandbox.run(&["experiment", "film.toml", "--seed", "1"]).refuses("film.toml: the layout has no noise for --seed");
 }
 
 /// The flux density of the film exceeds 1.6 mT, the range of this part, near the film.
@@ -193,7 +191,7 @@ fn films_that_are_bent_and_turned_tell_other_displacements() {
     }
     let refused = |options: &[&str]| sandbox.run(&[&["experiment", "film.toml"], options].concat());
     refused(&["--bend-radius", "0.3mm"])
-        .refuses("the film cannot be bent or moved so (lengths in mm): the radius must be");
+        .refuses("this bend or shift of the film is impossible (lengths in mm): the radius must be");
     sandbox.write("few.csv", "x_mm,y_mm,z_mm\n-1,-1,0\n1,-1,0\n-1,1,0\n1,1,0\n");
     refused(&["--heights", "few.csv"]).refuses("the centre of tile number 1 is beyond the heights");
     sandbox.write("gap.csv", "x_mm,y_mm,z_mm\n-1,-1,0\n1,-1,0\n-1,1,0\n");

@@ -27,14 +27,14 @@ use crate::session::Session;
 /// The summary and the plan as text.
 mod text;
 
-/// Choose which measured tile goes to which place of a film, and which way round.
+/// Assign measured tiles to the places of a film, each with its orientation.
 ///
 /// Each row of the table is a tile that was cut: its name in the column tile; its part, by its
 /// number in `magsplice tiles` or the name of a tile or kind of the layout, in the column part; and
 /// its polarization (jx_t, jy_t, jz_t), magnetization (mx_a_per_m, ...), moment (moment_x_a_m2,
-/// ...) or strength (strength_t, with or without direction_deg and tilt_deg). Axes are those of the
-/// part: x along its first side, y along its second, z up. Sides that were measured are in
-/// size_x_mm, size_y_mm, size_z_mm. Tiles beyond the places are spares.
+/// ...) or strength (strength_t, with or without direction_deg and tilt_deg). Axes are the axes of
+/// the part: x along its first side, y along its second, z up. Measured sides are in size_x_mm,
+/// size_y_mm, size_z_mm. Tiles beyond the places are spares.
 ///
 /// The tiles are placed so that the displacement error of the film is least: local searches from
 /// many starts, by the exact derivatives and then the exact field. The result is a layout with the
@@ -52,12 +52,11 @@ pub(crate) struct AssignArgs {
     /// CSV file with the measured tiles
     #[arg(long, value_name = "FILE")]
     measured: PathBuf,
-    /// CSV file with the tiles that lie already, with the columns of --plan: they stay, and the
-    /// others make up for them. Positions are as measured; rows whose cell in the column laid is no
-    /// are left out
+    /// CSV file of tiles already placed, with the columns of --plan. They stay; the remaining tiles
+    /// compensate. Positions are as measured; rows with no in the column laid are ignored
     #[arg(long, value_name = "FILE")]
     placed: Option<PathBuf>,
-    /// Place of a shim tile, whose strength is chosen; may be given again
+    /// Place of a shim tile, whose strength is computed; may be given again
     #[arg(long, value_name = "PLACE")]
     shim: Vec<String>,
     /// Turn no tile over: the side that was up when it was measured stays up

@@ -22,7 +22,7 @@ pub(super) fn summary(film: &Film, found: &FilmAssignment, path: Option<&Path>) 
     );
     let placed = found.plan.iter().filter(|row| row.is_laid).count();
     if placed > 0 {
-        let _ = write!(text, ", {placed} laid already");
+        let _ = write!(text, ", {placed} already placed");
     }
     text += "\n\n";
 
@@ -43,7 +43,7 @@ pub(super) fn summary(film: &Film, found: &FilmAssignment, path: Option<&Path>) 
         rows::cell(&mut text, &format!("  strength of the shim {}, T", shim.place), &number(shim.strength_t));
     }
 
-    text += "\nplan: the side of each tile that is up, and where its mark points in the film\n";
+    text += "\nplan: the upper side of each tile, and the direction of its mark in the film\n";
     text += &rows::headed(["place", "tile", "centre, mm", "up", "mark", "laid"], found.plan.iter().map(row));
     if let Some(path) = path {
         let path = path.display();

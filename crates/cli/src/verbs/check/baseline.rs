@@ -78,7 +78,8 @@ pub(super) fn check_replaceable(path: &Path) -> Result<(), Failure> {
     // One more than the header: the end of its line.
     file.take(header.len() as u64 + 1).read_to_end(&mut start).map_err(failed)?;
     if start.trim_ascii_end() != header.as_bytes() {
-        let why = format!("it is no baseline, which begins with the line {header}, and would be lost: delete it first");
+        let why =
+            format!("it does not begin with {header}, the line of a baseline, and would be lost: delete it first");
         return Err(failed(io::Error::other(why)));
     }
     Ok(())

@@ -30,7 +30,7 @@ use crate::output::json;
 use crate::progress::ProgressLine;
 use crate::session::Session;
 
-/// Validate layouts, and check their films against what their [expect] tables state.
+/// Validate layouts, and check their films against their [expect] tables.
 ///
 /// Prints one line per expectation: the value found, its bound and the margin. Exit status: 0 every
 /// expectation is met; 1 an expectation is not met, or a layout has a finding, which is allowed but
@@ -46,7 +46,7 @@ pub(crate) struct CheckArgs {
     /// Format of the result
     #[arg(long, value_enum, default_value = "text")]
     format: CheckFormat,
-    /// First rewrite the field baselines that the layouts name, each complete or not at all
+    /// First rewrite the field baselines that the layouts refer to, each complete or not at all
     #[arg(long)]
     update: bool,
 }
@@ -152,7 +152,7 @@ fn check(path: &Path, update: bool, quiet: bool, progress: &Arc<ProgressLine>) -
     checked.with_expectations(expectations)
 }
 
-/// Refuses layouts that name one file as their baseline: the last would replace those of the
+/// Refuses layouts with the same file as their baseline: the last would replace the results of the
 /// others.
 fn refuse_shared_baselines(files: &[NamedFile]) -> Result<(), Failure> {
     let mut owners: HashMap<PathBuf, (PathBuf, &Path)> = HashMap::new();
@@ -167,7 +167,7 @@ fn refuse_shared_baselines(files: &[NamedFile]) -> Result<(), Failure> {
         let (owner_id, owner) = owners.entry(baseline_id).or_insert_with(|| (layout_id.clone(), path.as_path()));
         if *owner_id != layout_id {
             let message = format!(
-                "the layouts {} and {} name the same baseline: give each its own (nothing was written)",
+                "the layouts {} and {} have the same baseline: give each its own (nothing was written)",
                 owner.display(),
                 path.display()
             );

@@ -52,7 +52,7 @@ pub(super) fn checked_layout(checked: &CheckedLayout, quiet: bool, colours: bool
         text += &labelled(expectation.status, word(expectation.status).0, line);
     }
     if !quiet && !checked.recoil_estimates.is_empty() {
-        text += "  recoil   what it changes, to first order:\n";
+        text += "  recoil   its effect, to first order:\n";
         for estimate in &checked.recoil_estimates {
             rows::prose(&mut text, &recoil::estimate(estimate));
         }

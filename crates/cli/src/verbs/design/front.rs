@@ -28,7 +28,7 @@ pub(super) fn run(
     let failed = |error| Failure::design(session.path, error);
     let layout = &session.layout;
     let problem = DesignProblem::new(layout).map_err(failed)?;
-    let output = output.ok_or_else(|| Failure::Refused("--front writes a folder: name one with -o DIR".to_owned()))?;
+    let output = output.ok_or_else(|| Failure::Refused("--front writes a folder: give one with -o DIR".to_owned()))?;
     let mut folder = Folder::open(output, "design --front", &[session.path])?;
     let stop = interrupt::defer();
     let front = {

@@ -1,4 +1,4 @@
-//! `magsplice diagnose`: which tiles of a film that was made are faulty.
+//! `magsplice diagnose`: the faulty tiles of a real film.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -27,21 +27,19 @@ use crate::text::number::number;
 /// The faulty tiles, and what the scan does not resolve, as text.
 mod text;
 
-/// Tell which tiles of a film that was made are weak, turned or displaced, from a scan of its
-/// field.
+/// Find the weak, turned and displaced tiles of a real film from a scan of its field.
 ///
 /// The scan is of the field near the film, for example in steps of 1 mm, 1 mm below it. Each tile
 /// may be weaker or stronger, turned, magnetized in another direction, or displaced. An error is
-/// named if neither the noise nor the ordinary errors of tiles explain it. Ordinary errors are
-/// those of [tolerance] or of --preset. Without either, or with --as-ordered, tiles that are not
-/// named count as ordered. The result has each error with its standard deviation, errors that would
-/// explain the scan nearly as well, and what the scan cannot tell.
+/// reported if neither the noise nor the expected errors of tiles explain it. [tolerance] or
+/// --preset gives the expected errors. Without either, or with --as-ordered, other tiles count as
+/// ordered. The result has each error with its standard deviation, errors that would explain the
+/// scan nearly as well, and the errors that the scan does not resolve.
 ///
-/// With -o the film that was found is written as a layout, which `tolerance`, `decouple` and `read`
-/// take.
+/// With -o the film found is written as a layout for `tolerance`, `decouple` and `read`.
 #[derive(Args)]
 #[command(after_help = "Example:\n  magsplice diagnose film.toml --scan scan.csv --noise 10uT\n  \
-    magsplice diagnose film.toml --scan scan.csv --fit --preset workshop -o found.toml --figure wrong.svg")]
+    magsplice diagnose film.toml --scan scan.csv --fit --preset workshop -o found.toml --figure faulty.svg")]
 pub(crate) struct DiagnoseArgs {
     /// Layout file of the film as ordered
     layout: PathBuf,
@@ -50,18 +48,18 @@ pub(crate) struct DiagnoseArgs {
     #[arg(long, value_name = "FILE")]
     scan: PathBuf,
     /// Standard deviation of a reading, such as 10uT, or of its x, y and z: 5uT,5uT,8uT [default:
-    /// that of [sensor] in the layout]
+    /// the noise of [sensor] in the layout]
     #[arg(long, value_name = "NOISE", value_parser = noise)]
     noise: Option<Noise>,
     #[command(flatten)]
     preset: PresetArgs,
-    /// Tiles that are not named count as exactly as ordered, whatever [tolerance] states
+    /// Ignore [tolerance]: other tiles count as exactly as ordered
     ///
-    /// Smaller errors are then named. Ordinary errors of several tiles are all named, too.
+    /// Smaller errors are then reported, and expected errors of several tiles too.
     #[arg(long, conflicts_with = "preset")]
     as_ordered: bool,
-    /// Fit what is not known of the scan beside the errors of tiles, such as --fit=offset,start;
-    /// --fit alone fits everything
+    /// Fit unknown parameters of the scan together with the errors of tiles, such as
+    /// --fit=offset,start; --fit alone fits everything
     #[arg(
         long,
         value_enum,
@@ -72,13 +70,13 @@ pub(crate) struct DiagnoseArgs {
         default_missing_value = "strength,offset,rotation,start"
     )]
     fit: Vec<FitArg>,
-    /// Probability that a tile of a film without wrong tiles is named
+    /// Probability that a tile of a fault-free film is reported
     #[arg(long, value_name = "P", default_value = "0.01", value_parser = probability)]
     false_alarm: f64,
-    /// Layout file to write, with the tiles that were found
+    /// Layout file to write, with the tiles found
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// File for a figure of the wrong tiles and of what the scan cannot tell: .svg or .png
+    /// File for a figure of the faulty tiles and of the resolution of the scan: .svg or .png
     #[cfg(feature = "report")]
     #[arg(long, value_name = "FILE")]
     figure: Option<PathBuf>,
@@ -144,8 +142,8 @@ pub(crate) fn run(args: &DiagnoseArgs, quiet: bool) -> Result<(), Failure> {
     }
     if found.is_residual_too_large {
         session.tell(&format!(
-            "{}: chi squared of the residual is {} times its expectation: the noise is larger than stated, the film has \
-             errors of another kind, or the positions are not those stated{}",
+            "{}: chi squared of the residual is {} times its expectation: the noise is larger than specified, the film \
+             has errors of another kind, or the positions of the scan are wrong{}",
             args.scan.display(),
             number(found.reduced_chi_squared()),
             if args.fit.is_empty() { " (--fit fits them)" } else { "" }

@@ -25,11 +25,11 @@ pub(super) fn diagnosis(film: &Film, scan: &Path, fit: &[FitArg], found: &FilmDi
     let _ = writeln!(text, "scan {}: {readings}, noise {}, {}, {} uT", scan.display(), noise.x, noise.y, noise.z);
     let _ = writeln!(
         text,
-        "{}, false alarms in {} % of right films",
+        "{}, false alarms in {} % of fault-free films",
         if found.has_expected_errors {
-            "tiles are named beyond their ordinary errors"
+            "errors beyond the expected errors are reported"
         } else {
-            "tiles that are not named count as ordered"
+            "other tiles count as ordered"
         },
         in_per_cent(found.false_alarm)
     );
@@ -38,7 +38,7 @@ pub(super) fn diagnosis(film: &Film, scan: &Path, fit: &[FitArg], found: &FilmDi
     if !found.is_complete {
         rows::prose(
             &mut text,
-            "and more: the film is another one, or give the ordinary errors of its tiles, as by --preset",
+            "and more: use the layout of this film, or give the expected errors of its tiles, as by --preset",
         );
     }
     if !fit.is_empty() {
@@ -50,7 +50,7 @@ pub(super) fn diagnosis(film: &Film, scan: &Path, fit: &[FitArg], found: &FilmDi
     rows::cell(&mut text, "residual of a component, uT", &number(in_ut(found.residual_t)));
     rows::cell(&mut text, "chi squared over its expectation", &number(found.reduced_chi_squared()));
     if found.is_residual_too_large {
-        rows::prose(&mut text, "The residual is too large for the noise: errors that are named may be others.");
+        rows::prose(&mut text, "The residual is too large for the noise: the reported errors may be wrong.");
     }
     unresolved(&mut text, found);
     text
@@ -79,15 +79,15 @@ fn faulty_tiles(text: &mut String, found: &FilmDiagnosis) {
 
 /// What the scan does not resolve.
 fn unresolved(text: &mut String, found: &FilmDiagnosis) {
-    let assumed = if found.has_expected_errors { "ordinary errors" } else { "errors of films made by hand" };
+    let assumed = if found.has_expected_errors { "expected errors" } else { "errors of films made by hand" };
     let mut by_error: BTreeMap<TileError, Vec<&str>> = BTreeMap::new();
     for of in found.unresolved.iter().filter(|of| !of.is_about_j) {
         by_error.entry(of.error).or_default().push(&of.tile);
     }
     let about_j = found.unresolved.iter().filter(|of| of.is_about_j).count();
-    let _ = writeln!(text, "\nwhat the scan cannot tell, if all tiles have {assumed}:");
+    let _ = writeln!(text, "\nunresolved by the scan, if all tiles have {assumed}:");
     if by_error.is_empty() && about_j == 0 && found.similar.is_empty() {
-        text.push_str("  nothing: it narrows every error to less than half\n");
+        text.push_str("  nothing: the scan reduces every error to less than half\n");
     }
     for (error, tiles) in &by_error {
         let _ = writeln!(text, "  {} of {}", error.name(), counted(tiles.len(), "tile", "tiles"));

@@ -89,7 +89,7 @@ impl Drawing<'_> {
     }
 }
 
-/// Samples of the films that are made, if the layout states their errors. Appends their statistics
+/// Samples of real films, if the layout has their errors. Appends their statistics
 /// to `text`.
 fn samples(session: &Session, film: &Film, text: &mut String) -> Result<Option<FilmSamples>, Failure> {
     let layout = &*session.layout;
@@ -100,7 +100,7 @@ fn samples(session: &Session, film: &Film, text: &mut String) -> Result<Option<F
     let mut errors = Vec::new();
     tolerance::draw(session, &sampling, &run, None, &mut errors, |_| Ok(ControlFlow::Continue(())))?;
     let found = sampling.statistics(run, None, &errors).map_err(failed)?;
-    let _ = write!(text, "\nfilms that are made: {}", tolerance::text::samples(film, &found));
+    let _ = write!(text, "\nreal films: {}", tolerance::text::samples(film, &found));
     Ok(Some(FilmSamples { nominal: found.figures.map(|figure| figure.nominal), errors }))
 }
 

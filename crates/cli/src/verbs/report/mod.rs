@@ -24,8 +24,8 @@ use crate::failure::Failure;
 /// Two layouts give one page with the numbers of both films and their difference, and the figures
 /// side by side on the same scales.
 ///
-/// With --watch the program stays, draws anew when a layout is saved, and prints the faults of a
-/// layout that is broken. The page does not reload by itself.
+/// With --watch the program keeps running, draws again when a layout is saved, and prints the
+/// faults of a broken layout. The page does not reload by itself.
 #[derive(clap::Args)]
 #[command(
     after_help = "Example:\n  magsplice report layouts/published-film.toml -o report\n  magsplice report before.toml after.toml -o comparison"
@@ -37,7 +37,7 @@ pub(crate) struct ReportArgs {
     /// Folder to write: new, empty, or with an earlier report, which is replaced
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
-    /// Draw anew whenever a layout is saved, until Ctrl-C
+    /// Draw again whenever a layout is saved, until Ctrl-C
     #[arg(long)]
     watch: bool,
     /// Text in the SVG files

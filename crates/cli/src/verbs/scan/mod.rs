@@ -28,13 +28,14 @@ use crate::words::no_field;
 /// What was fitted, and the uniformity of the readings, as text.
 pub(super) mod text;
 
-/// Compare a measured scan of the field with the layout, and fit what cannot be known beforehand.
+/// Compare a measured scan of the field with the layout, and fit the unknown parameters of the
+/// scan.
 ///
-/// Fits the strength of the tiles, the offset (that of the sensor and a uniform stray field
-/// together), the rotation of the sensor, and where in the frame of the film the scan began, with
-/// standard deviations from the residuals. Readings farther from the fit than six standard
-/// deviations are left out and named, and so are missing and repeated positions. With [ideal], the
-/// uniformity RMSE of the readings stands beside that of the layout at the same places.
+/// Fits the strength of the tiles, the offset (sensor and uniform stray field together), the
+/// rotation of the sensor, and the start of the scan in the frame of the film, with standard
+/// deviations from the residuals. Readings farther from the fit than six standard deviations are
+/// excluded and listed. Missing and repeated positions are listed too. With [ideal], the uniformity
+/// RMSE of the readings is printed beside the uniformity RMSE of the layout at the same points.
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  magsplice scan scan.csv --layout film.toml\n  \
     magsplice scan scan.csv --layout film.toml --fit strength,offset --save corrected.csv")]
@@ -45,7 +46,7 @@ pub(crate) struct ScanArgs {
     /// Layout file of the film
     #[arg(long, value_name = "LAYOUT")]
     layout: PathBuf,
-    /// What is fitted
+    /// Parameters to fit
     #[arg(
         long,
         value_enum,
@@ -130,8 +131,8 @@ pub(super) fn refused(session: &Session, scan: &Path, lines: &[u64], error: Film
 fn draw(args: &ScanArgs, film: &Film, found: &FilmScan, folder: &mut Folder) -> Result<(), Failure> {
     let drawn = scan_figures(film, found)?;
     if drawn.is_empty() {
-        let message =
-            "--figures needs positions on a grid with equal steps, and two at least along two axes".to_owned();
+        let message = "--figures needs positions on a grid with equal steps, and at least two positions along two axes"
+            .to_owned();
         return Err(Failure::at(&args.scan, message));
     }
     for figure in &drawn {
@@ -147,26 +148,26 @@ fn tell_implausible(session: &Session, args: &ScanArgs, found: &FilmScan) {
     let scan = args.scan.display();
     if found.has_implausible_strength() {
         session.tell(&format!(
-            "{scan}: the fitted strength is {} times that of the layout: the scan is of another film, or its unit is \
-             not the one of its columns, or it is far from where it is said to be\n",
+            "{scan}: the fitted strength is {} times the strength of the layout: the scan is of another film, or \
+             its columns have another unit, or its positions are far off\n",
             number(found.fitted.strength)
         ));
     }
     if let Some(ratio) = found.excessive_residual() {
         session.tell(&format!(
             "{scan}: the residual is {} times the noise of the sensor: the film differs from the layout, or the \
-             positions from those stated\n",
+             positions of the scan are wrong\n",
             number(ratio)
         ));
     }
 }
 
-/// Prints the readings that were left out on standard error.
+/// Lists the outliers on standard error.
 fn tell_outliers(session: &Session, args: &ScanArgs, found: &FilmScan) {
     let mut faults = FaultList::default();
     for (index, line) in found.outliers.iter().zip(&found.left_out) {
         let DVec3 { x, y, z } = in_ut(found.residuals_t[*index]);
-        faults.add(*line, format!("line {line}: left out, because it is off by ({x:.1}, {y:.1}, {z:.1}) uT"));
+        faults.add(*line, format!("line {line}: excluded as an outlier, residual ({x:.1}, {y:.1}, {z:.1}) uT"));
     }
     if !faults.is_empty() {
         session.tell(&faults.remarks(args.scan.display()));

@@ -24,14 +24,14 @@ pub(super) fn scan(film: &Film, scan: &Path, fit: &[FitArg], found: &FilmScan) -
     rows::heading(&mut text, "fitted, with standard deviations", ["x", "y", "z"]);
     fitted(&mut text, fit, &found.fitted, Some(&found.deviation));
     rows::cell(&mut text, "residual of a component, uT", &number(in_ut(found.residual_t)));
-    rows::cell(&mut text, "readings left out", &found.left_out.len().to_string());
+    rows::cell(&mut text, "outliers, excluded", &found.left_out.len().to_string());
     if let Some(uniformity) = &found.uniformity_rmse {
         text.push('\n');
         rows::heading(&mut text, "uniformity RMSE (Eq. 15)", ["R_x", "R_y", "S_z"]);
         for (name, values) in [
             ("  readings", uniformity.readings),
             ("  without offset and rotation", uniformity.corrected),
-            ("  layout at the same places", uniformity.simulated),
+            ("  layout at the same points", uniformity.simulated),
         ] {
             rows::cells(&mut text, name, values.to_array().map(|value| value.map_or("none".to_owned(), number)));
         }
@@ -45,7 +45,7 @@ pub(super) fn scan(film: &Film, scan: &Path, fit: &[FitArg], found: &FilmScan) -
 /// Appends the parameters of a scan that were fitted, with their deviations if they are known.
 pub(crate) fn fitted(text: &mut String, fit: &[FitArg], found: &FittedScan, deviation: Option<&FittedScan>) {
     if fit.contains(&FitArg::Strength) {
-        rows::cell(text, "  strength over that of the layout", &number(found.strength));
+        rows::cell(text, "  strength / strength of layout", &number(found.strength));
         if let Some(deviation) = deviation {
             rows::cell(text, "    +-", &number(deviation.strength));
         }

@@ -1,4 +1,4 @@
-//! `magsplice tolerance`: samples of the films that are made from a layout.
+//! `magsplice tolerance`: samples of the real films of a layout.
 
 use std::error::Error;
 use std::ops::ControlFlow;
@@ -35,7 +35,7 @@ pub(super) mod text;
 use journal::Journal;
 use sample_file::{MAX_SAMPLES, SampleFormat};
 
-/// Evaluate the films that are made from a layout: samples with the errors of its [tolerance].
+/// Evaluate the real films of a layout: samples with the errors of its [tolerance].
 ///
 /// Each sample is a film whose tiles are misplaced, turned, cut to wrong sizes, and of wrong
 /// strength and direction, in the surroundings and under the sensor of [tolerance]. Its exact field
@@ -46,9 +46,9 @@ use sample_file::{MAX_SAMPLES, SampleFormat};
 /// Sample i depends on the seed and on i alone, so that machines can share the work: see --first.
 /// Ctrl-C ends the run with the result so far.
 ///
-/// With --sorted the tiles of each sample are cut, measured and placed as `magsplice assign` does,
-/// before they are laid with the errors of position and rotation: what measuring the tiles is
-/// worth. Errors of groups stay those of the places.
+/// With --sorted the tiles of each sample are cut, measured and assigned as by `magsplice assign`,
+/// before they are placed with the errors of position and rotation; this shows the benefit of
+/// measuring. Errors of groups belong to the places.
 #[derive(Args)]
 #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
 #[command(after_help = "Example:\n  magsplice tolerance layouts/robust-in-plane.toml --samples 10000\n  \
@@ -65,10 +65,10 @@ pub(crate) struct ToleranceArgs {
     layout: Option<PathBuf>,
     #[command(flatten)]
     preset: PresetArgs,
-    /// Number of samples [default: that of [tolerance], else 1000]
+    /// Number of samples [default: the value of [tolerance], else 1000]
     #[arg(long, value_name = "N", value_parser = |text: &str| whole(text, 1..=MAX_SAMPLES))]
     samples: Option<u64>,
-    /// Seed of the random numbers [default: that of [tolerance], else 1]
+    /// Seed of the random numbers [default: the value of [tolerance], else 1]
     #[arg(long, value_name = "S")]
     seed: Option<u64>,
     /// Number of the first sample, to compute a part of the samples
@@ -101,7 +101,7 @@ enum ToleranceVerb {
     Merge(MergeArgs),
 }
 
-/// Join parts of the samples of a layout. The result is that of one run, to the last bit.
+/// Join parts of the samples of a layout. The result equals a single run to the last bit.
 #[derive(Args)]
 struct MergeArgs {
     /// Layout file that the parts were computed from
@@ -207,14 +207,14 @@ pub(super) fn sampling_failure(session: &Session, error: FilmError) -> Failure {
     Failure::at(session.path, message)
 }
 
-/// Refuses a layout without what films that are made need.
+/// Refuses a layout without the errors of real films.
 pub(super) fn require_errors(session: &Session) -> Result<(), Failure> {
-    session.require_film(true, "tolerance", "evaluates the films that are made from a layout")?;
+    session.require_film(true, "tolerance", "evaluates the real films of a layout")?;
     if session.layout.tolerance.is_some() {
         return Ok(());
     }
-    let message = "the layout has no [tolerance] table, which states the errors of the films that are made: give --preset \
-                   workshop to begin with, or add the table that docs/layout-format.md describes";
+    let message = "the layout has no [tolerance] table with the errors of real films: give --preset workshop to begin \
+                   with, or add the table that docs/layout-format.md describes";
     Err(Failure::at(session.path, message.to_owned()))
 }
 
@@ -253,7 +253,7 @@ fn merge(args: &MergeArgs, quiet: bool) -> Result<(), Failure> {
         let refused = |message: String| Err(Failure::at(path, message));
         if part.run.film != sample_run(film.layout(), sorting.as_ref(), 0, 0, 0).film {
             return refused(format!(
-                "its samples are of another film or other errors than {} has now, or of other options of --sorted",
+                "its samples have another film, other errors or other options of --sorted than {} has now",
                 args.layout.display()
             ));
         }

@@ -158,23 +158,23 @@ pub(super) fn read(path: &Path) -> Result<SampleFile, Failure> {
     let (first, length) = next_line()?.ok_or_else(|| refused(not_samples("it has no first line")))?;
     bytes += length;
     if first.starts_with(EARLIER_BEGINNING) {
-        let message = "is of an earlier version of magsplice, which named the film otherwise: draw its samples again";
+        let message = "is of an earlier version of magsplice, with another film identifier: draw its samples again";
         return Err(refused(message.to_owned()));
     }
-    let run = parse_first_line(&first).ok_or_else(|| refused(not_samples("its first line tells no film and seed")))?;
+    let run = parse_first_line(&first).ok_or_else(|| refused(not_samples("its first line has no film and seed")))?;
     if run.count > MAX_SAMPLES || run.first > MAX_SAMPLES {
-        return Err(refused(format!("tells of more than {MAX_SAMPLES} samples")));
+        return Err(refused(format!("has more than {MAX_SAMPLES} samples")));
     }
     match next_line()? {
         Some((names, length)) if names == heading() => bytes += length,
-        _ => return Err(refused(not_samples("its second line does not name the figures"))),
+        _ => return Err(refused(not_samples("its second line has no names of figures"))),
     }
     let mut samples: Vec<Figures> = Vec::new();
     while let Some((line, length)) = next_line()? {
         let expected = run.first + samples.len() as u64;
         let number = samples.len() + 3;
         if samples.len() as u64 == run.count {
-            return Err(refused(format!("line {number}: more samples than the {} it tells", run.count)));
+            return Err(refused(format!("line {number}: more samples than the {} of its first line", run.count)));
         }
         let (sample, values) = parse(&line).ok_or_else(|| refused(format!("line {number}: not a sample: {line}")))?;
         if sample != expected {

@@ -66,7 +66,7 @@ fn sorted_in_words(sorting: &Sorting) -> String {
     };
     let over = if sorting.settings.may_turn_over { "" } else { ", none turned over" };
     format!(
-        "tiles are measured and sorted before they are laid: {}{over}; strength measured to {percent} %, direction to \
+        "tiles are measured and sorted before they are placed: {}{over}; strength measured to {percent} %, direction to \
          {degrees} deg, {sides}",
         counted(sorting.spares, "spare tile", "spare tiles")
     )
