@@ -62,8 +62,8 @@ pub fn loads(loads: &FilmLoads) -> String {
         [force_n, torque_n_mm].map(|of| of.to_array().map(|number| format!(",{number:e}")).concat()).concat()
     };
     // The tile, the load by all others, and the step with the load by tiles placed before.
-    let line = |tile: &TileLoad, by_all: &LoadN, laying: String| {
-        format!("\"{}\"{}{laying}\n", tile.name.replace('"', "\"\""), numbers(by_all))
+    let line = |tile: &TileLoad, by_all: &LoadN, placement: String| {
+        format!("\"{}\"{}{placement}\n", tile.name.replace('"', "\"\""), numbers(by_all))
     };
     let Some(order) = &loads.order else {
         let lines = loads.tiles.iter().map(|tile| line(tile, &tile.load, String::new()));
@@ -73,5 +73,5 @@ pub fn loads(loads: &FilmLoads) -> String {
         order.steps.iter().enumerate().map(|(step, tile)| {
             line(tile, &loads.tiles[tile.tile].load, format!(",{}{}", step + 1, numbers(&tile.load)))
         });
-    format!("tile{},step{}\n{}", columns(""), columns("laying_"), lines.collect::<String>())
+    format!("tile{},step{}\n{}", columns(""), columns("placement_"), lines.collect::<String>())
 }

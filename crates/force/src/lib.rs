@@ -1,7 +1,7 @@
 //! Force and torque of the tiles of a film on each other.
 //!
 //! * [`FilmForces`]: the loads of all pairs of tiles.
-//! * [`LayingOrder`]: a placement order of tiles, and the force on each during its placement.
+//! * [`PlacementOrder`]: a placement order of tiles, and the force on each during its placement.
 //! * [`LeastHolding`]: the order with the smallest of these forces, with a lower bound for all
 //!   orders.
 //!
@@ -18,13 +18,13 @@
 
 /// Forces on all tiles of a film.
 mod film_forces;
-/// Placement orders of the tiles of a film.
-mod laying_order;
 /// A lower bound of the holding force of all placement orders.
 mod order_bound;
 /// The placement order with the smallest holding force.
 mod order_search;
+/// Placement orders of the tiles of a film.
+mod placement_order;
 pub use film_forces::{FilmForces, FilmForcesError};
-pub use laying_order::{LayingOrder, OrderError};
 pub use magsplice_pair::{Load, NotConverged};
 pub use order_search::{LeastHolding, OrderSettings};
+pub use placement_order::{OrderError, PlacementOrder};

@@ -10,8 +10,8 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 use crate::film_forces::FilmForces;
-use crate::laying_order::LayingOrder;
 use crate::order_bound::{Bound, bound};
+use crate::placement_order::PlacementOrder;
 
 /// Half the power in the mean of the forces that annealing lowers. With a smaller power the largest
 /// force counts too little; with a larger power it counts alone, and few moves appear to change
@@ -52,7 +52,7 @@ impl Default for OrderSettings {
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct LeastHolding {
     /// The order.
-    pub order: LayingOrder,
+    pub order: PlacementOrder,
     /// Lower bound of the holding force of all orders.
     pub bound: f64,
     /// Holding force of the greedy order.
@@ -67,14 +67,14 @@ impl LeastHolding {
     /// a run begins.
     pub fn search(forces: &FilmForces, settings: &OrderSettings, progress: impl Fn() + Sync) -> LeastHolding {
         let greedy = ordered(forces, greedy(forces));
-        let runs: Vec<LayingOrder> = (0..settings.runs as u64)
+        let runs: Vec<PlacementOrder> = (0..settings.runs as u64)
             .into_par_iter()
             .map(|run| {
                 progress();
                 ordered(forces, Annealing::new(forces, greedy.tiles()).run(settings, run))
             })
             .collect();
-        let least = |best: LayingOrder, next: &LayingOrder| {
+        let least = |best: PlacementOrder, next: &PlacementOrder| {
             if next.holding() < best.holding() { next.clone() } else { best }
         };
         let found = runs.iter().fold(greedy.clone(), least);
@@ -83,13 +83,13 @@ impl LeastHolding {
             order: order.map_or(found, |order| ordered(forces, order)),
             bound: force,
             greedy: greedy.holding(),
-            runs: runs.iter().map(LayingOrder::holding).collect(),
+            runs: runs.iter().map(PlacementOrder::holding).collect(),
         }
     }
 }
 
-fn ordered(forces: &FilmForces, tiles: Vec<usize>) -> LayingOrder {
-    LayingOrder::new(forces, tiles).expect("each tile once")
+fn ordered(forces: &FilmForces, tiles: Vec<usize>) -> PlacementOrder {
+    PlacementOrder::new(forces, tiles).expect("each tile once")
 }
 
 /// The order whose last tile has the smallest force by all others, and so on backwards.

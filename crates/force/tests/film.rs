@@ -1,7 +1,7 @@
 //! Forces of films, and placement orders.
 
 use glam::DVec3;
-use magsplice_force::{FilmForces, LayingOrder, LeastHolding, OrderError, OrderSettings};
+use magsplice_force::{FilmForces, LeastHolding, OrderError, OrderSettings, PlacementOrder};
 use magsplice_magnet::Tile;
 
 const SETTINGS: OrderSettings = OrderSettings { runs: 2, moves: 20_000, examined_sets: 100_000, seed: 1 };
@@ -94,7 +94,7 @@ fn bound_is_below_the_best_order() {
 #[test]
 fn orders_without_each_tile_once_are_refused() {
     let forces = forces(&film(1, 3));
-    let refused = |tiles: &[usize]| LayingOrder::new(&forces, tiles.to_vec()).unwrap_err();
+    let refused = |tiles: &[usize]| PlacementOrder::new(&forces, tiles.to_vec()).unwrap_err();
     assert_eq!(refused(&[0, 1]), OrderError::Count { given: 2, tiles: 3 });
     assert_eq!(refused(&[0, 1, 3]), OrderError::NoTile { step: 2, tile: 3 });
     assert_eq!(refused(&[0, 1, 0]), OrderError::Twice { step: 2, tile: 0 });

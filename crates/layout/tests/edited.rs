@@ -154,7 +154,7 @@ fn comments_apart_from_the_first_tile_move_to_the_end() {
 }
 
 #[test]
-fn tables_are_added_and_left_out() {
+fn tables_are_added_and_omitted() {
     let mut layout = film();
     layout.ideal = None;
     layout.expectations = Default::default();

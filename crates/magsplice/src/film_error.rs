@@ -98,7 +98,7 @@ pub enum FilmError {
         /// Names of the tiles that the error is about.
         tiles: Vec<String>,
     },
-    /// An order of laying does not have each tile once.
+    /// A placement order does not have each tile once.
     Order(OrderError),
     /// The displacement of the sensor is no polynomial of the parameters.
     Polynomial(PolynomialError),

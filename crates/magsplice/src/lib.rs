@@ -6,7 +6,7 @@
 //! * [`ideal`]: the ideal film, and the comparison of two fields.
 //! * [`field`]: the field of tiles, exact or to a tolerance.
 //! * [`pair`]: the mean field of one tile in another, and their force and torque.
-//! * [`force`]: force and torque of tiles on each other, and the order in which to lay them.
+//! * [`force`]: force and torque of tiles on each other, and the order in which to place them.
 //! * [`recoil`]: tiles that weaken and turn each other.
 //! * [`decouple`]: decoupling parameters and their errors.
 //! * [`sensor`]: positions of a sensor from what it reads.

@@ -39,7 +39,7 @@ pub use assignment::{Assignment, AssignmentError, AssignmentSettings, CutTile, P
 pub use measured_box::{MeasuredBox, MeasuredMagnet, MeasuredTile};
 pub use measurement::MeasurementErrors;
 pub use orientation::Orientation;
-pub use partly_placed::{Laying, LyingTile, PartlyPlaced};
+pub use partly_placed::{FixedTile, PartlyPlaced, Placement};
 pub use plan_row::PlanRow;
 pub use problem::AssignmentProblem;
 pub use sorted_films::{SortedSampler, Sorting};

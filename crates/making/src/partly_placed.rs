@@ -28,7 +28,7 @@ pub struct PartlyPlaced {
 
 /// A tile already placed in a film.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LyingTile<'a> {
+pub struct FixedTile<'a> {
     /// Name of its place.
     pub place: &'a str,
     /// Name of the tile.
@@ -43,7 +43,7 @@ pub struct LyingTile<'a> {
 
 /// A film during the placement of its tiles.
 #[derive(Clone, Debug)]
-pub struct Laying<'a> {
+pub struct Placement<'a> {
     layout: &'a Layout,
     groups: &'a [PlaceGroup],
     film: Vec<Tile>,
@@ -56,10 +56,10 @@ pub struct Laying<'a> {
     filled: HashSet<usize>,
 }
 
-impl<'a> Laying<'a> {
+impl<'a> Placement<'a> {
     /// The film of a layout without placed tiles. The groups have its places and the measured
     /// tiles.
-    pub fn new(layout: &'a Layout, groups: &'a [PlaceGroup]) -> Laying<'a> {
+    pub fn new(layout: &'a Layout, groups: &'a [PlaceGroup]) -> Placement<'a> {
         let mut tiles = HashMap::new();
         let mut group_of = HashMap::new();
         for (number, group) in groups.iter().enumerate() {
@@ -72,7 +72,7 @@ impl<'a> Laying<'a> {
         }
         let place =
             |(index, named): (usize, &'a NamedTile)| (named.name.as_str(), (index, group_of.get(&index).copied()));
-        Laying {
+        Placement {
             layout,
             groups,
             film: layout.bare_tiles(),
@@ -88,11 +88,11 @@ impl<'a> Laying<'a> {
     ///
     /// # Errors
     /// Every broken rule, in words. The film is then unchanged.
-    pub fn lay(&mut self, lying: &LyingTile) -> Result<(), Vec<String>> {
+    pub fn place(&mut self, placed: &FixedTile) -> Result<(), Vec<String>> {
         let mut faults = Vec::new();
-        let place = self.places.get(lying.place).copied();
-        let tile = self.tiles.get(lying.tile).copied();
-        let (place_shown, tile_shown) = (beginning(lying.place), beginning(lying.tile));
+        let place = self.places.get(placed.place).copied();
+        let tile = self.tiles.get(placed.tile).copied();
+        let (place_shown, tile_shown) = (beginning(placed.place), beginning(placed.tile));
         match place {
             None => faults.push(format!("place = \"{place_shown}\", must be the name of a tile of the layout")),
             Some((place, _)) if self.filled.contains(&place) => {
@@ -124,9 +124,9 @@ impl<'a> Laying<'a> {
         if !faults.is_empty() {
             return Err(faults);
         }
-        let position = lying.position_mm.unwrap_or(self.film[place].position());
+        let position = placed.position_mm.unwrap_or(self.film[place].position());
         let (orientation, turn_deg) =
-            self.orientation(group, place, lying.up, lying.mark_deg).map_err(|fault| vec![fault])?;
+            self.orientation(group, place, placed.up, placed.mark_deg).map_err(|fault| vec![fault])?;
         let cut = &self.groups[group].tiles[index];
         let as_ordered = self.film[place].rotation();
         let turned = DQuat::from_rotation_z(turn_deg.to_radians()) * as_ordered;
@@ -135,7 +135,7 @@ impl<'a> Laying<'a> {
         self.filled.insert(place);
         self.used.insert((group, index));
         self.film[place] = lies;
-        self.plan.push((place, PlanRow::new(&self.layout.tiles[place].name, lying.tile, orientation, &lies, true)));
+        self.plan.push((place, PlanRow::new(&self.layout.tiles[place].name, placed.tile, orientation, &lies, true)));
         Ok(())
     }
 

@@ -25,7 +25,7 @@ pub struct PlanRow {
     /// below 360.
     pub mark_deg: f64,
     /// Whether the tile is already placed.
-    pub is_laid: bool,
+    pub is_placed: bool,
 }
 
 impl PlanRow {
@@ -33,7 +33,7 @@ impl PlanRow {
     pub const SHIM: &'static str = "shim";
 
     /// The line of a tile with the actual or planned position of `lies`.
-    pub fn new(place: &str, tile: &str, orientation: Orientation, lies: &Tile, is_laid: bool) -> PlanRow {
+    pub fn new(place: &str, tile: &str, orientation: Orientation, lies: &Tile, is_placed: bool) -> PlanRow {
         let mark_deg = (orientation.mark_deg(lies) * ANGLE_DECIMALS).round() / ANGLE_DECIMALS;
         PlanRow {
             place: place.to_owned(),
@@ -42,7 +42,7 @@ impl PlanRow {
             up: orientation.upper_side_name(),
             mark: ["+x", "+y", "+z"][orientation.mark_axis()],
             mark_deg: mark_deg.rem_euclid(360.0),
-            is_laid,
+            is_placed,
         }
     }
 

@@ -2,8 +2,8 @@
 
 use magsplice::layout::Layout;
 use magsplice::making::{
-    AssignmentSettings, Laying, LyingTile, MeasuredBox, MeasuredMagnet, MeasuredTile, MeasurementErrors, PartlyPlaced,
-    PlaceGroup,
+    AssignmentSettings, FixedTile, MeasuredBox, MeasuredMagnet, MeasuredTile, MeasurementErrors, PartlyPlaced,
+    PlaceGroup, Placement,
 };
 use magsplice::prelude::DVec3;
 use pyo3::prelude::*;
@@ -20,7 +20,7 @@ const PROGRAM: &str = concat!("magsplice ", env!("CARGO_PKG_VERSION"), " assign"
 type Measured = (String, Option<String>, Option<[f64; 3]>, Vec<f64>);
 
 /// Place, tile, centre, upper side, and direction of the mark in degrees.
-type Lying = (String, String, Option<[f64; 3]>, String, f64);
+type Placed = (String, String, Option<[f64; 3]>, String, f64);
 
 /// The tiles of a box at the places of a film, with the layout of the film as TOML. `errors` are
 /// the errors of strength, direction in degrees and sides in millimetres.
@@ -30,7 +30,7 @@ pub(crate) fn assign<'py>(
     py: Python<'py>,
     film: &Film,
     measured: Vec<Measured>,
-    placed: Vec<Lying>,
+    placed: Vec<Placed>,
     shims: Vec<String>,
     may_turn_over: bool,
     starts: usize,
@@ -81,14 +81,14 @@ fn taken_out(layout: &Layout, shims: &[String], groups: &mut [PlaceGroup]) -> Py
     Ok(found)
 }
 
-fn partly_placed(layout: &Layout, groups: &[PlaceGroup], placed: &[Lying]) -> PyResult<PartlyPlaced> {
-    let mut laying = Laying::new(layout, groups);
-    let lay = |(place, tile, position_mm, up, mark_deg): &Lying| {
+fn partly_placed(layout: &Layout, groups: &[PlaceGroup], placed: &[Placed]) -> PyResult<PartlyPlaced> {
+    let mut placement = Placement::new(layout, groups);
+    let add = |(place, tile, position_mm, up, mark_deg): &Placed| {
         let position_mm = position_mm.map(DVec3::from);
-        laying.lay(&LyingTile { place, tile, position_mm, up, mark_deg: *mark_deg })
+        placement.place(&FixedTile { place, tile, position_mm, up, mark_deg: *mark_deg })
     };
-    refused("placed", placed.iter().map(lay))?;
-    Ok(laying.finish())
+    refused("placed", placed.iter().map(add))?;
+    Ok(placement.finish())
 }
 
 /// An exception that lists the items with faults.

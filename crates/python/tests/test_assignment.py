@@ -58,12 +58,12 @@ def test_assigned_film_has_the_stated_error(film, measured):
 
 def test_tiles_that_lie_stay(film, measured):
     first = film.assign(measured)
-    lying = [first.plan[7], first.plan[20]]
-    x, y, z = lying[0].centre_mm
-    lying[0] = lying[0]._replace(centre_mm=(x + 0.05, y, z), mark_deg=lying[0].mark_deg + 1)
-    found = film.assign(measured, placed=lying, starts=4)
-    assert [found.plan[place].tile for place in (7, 20)] == [tile.tile for tile in lying]
-    assert np.flatnonzero([row.is_laid for row in found.plan]).tolist() == [7, 20]
+    placed = [first.plan[7], first.plan[20]]
+    x, y, z = placed[0].centre_mm
+    placed[0] = placed[0]._replace(centre_mm=(x + 0.05, y, z), mark_deg=placed[0].mark_deg + 1)
+    found = film.assign(measured, placed=placed, starts=4)
+    assert [found.plan[place].tile for place in (7, 20)] == [tile.tile for tile in placed]
+    assert np.flatnonzero([row.is_placed for row in found.plan]).tolist() == [7, 20]
     assert found.film.tiles[7].position_mm[0] == pytest.approx(x + 0.05)
     assert found.rms_mm > first.rms_mm
 

@@ -71,7 +71,7 @@ def test_expected_errors_are_not_named(published, scan):
     assert [tile.tile for tile in as_ordered.faulty[:2]] == ["film-x2-y7", "film-x6-y1"]
 
 
-def test_weak_tile_among_tiles_with_recoil_is_named_alone(published):
+def test_weak_tile_among_tiles_with_recoil_is_found_alone(published):
     ordered = published.replace(material={"recoil_permeability": 1.05}, expect=None)
     tiles = list(published.tiles)
     tiles[10] = tiles[10]._replace(polarization_t=[0.95 * j for j in tiles[10].polarization_t])

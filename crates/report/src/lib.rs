@@ -37,7 +37,7 @@ mod pair;
 mod paired_numbers;
 /// A rectangle with axes on a sheet, and its colour bar.
 mod panel;
-/// Pages to print: bill of materials, laying plan.
+/// Pages to print: bill of materials, placement plan.
 mod printed_film;
 /// A page to print: a figure and tables.
 mod printed_page;
@@ -65,8 +65,8 @@ pub use figures::diagnosis::diagnosis_figure;
 pub use figures::experiment::experiment_figure;
 pub use figures::forces::forces_figure;
 pub use figures::front::front_figures;
-pub use figures::laying_plan::laying_plan_figure;
 pub use figures::layout_from_above::layout_figure;
+pub use figures::placement_plan::placement_plan_figure;
 pub use figures::scan_maps::scan_figures;
 pub use page::PrintedResults;
 pub use pair::PairReport;

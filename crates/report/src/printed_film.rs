@@ -1,4 +1,4 @@
-//! Pages to print: bill of materials, cut list, laying plan.
+//! Pages to print: bill of materials, cut list, placement plan.
 
 use magsplice::layout::Layout;
 use magsplice::making::PlanRow;
@@ -13,7 +13,7 @@ pub fn bill_page(list: &BillOfMaterials, figure: &Drawing) -> String {
     page(layout, &layout.name, &[summary(list)], figure, &[bill(list)])
 }
 
-/// A page with the plan by which a film is laid, and its bill of materials, as HTML.
+/// A page with the plan by which a film is placed, and its bill of materials, as HTML.
 pub fn plan_page(list: &BillOfMaterials, figure: &Drawing, plan: &[PlanRow]) -> String {
     let layout = list.layout;
     let marks = "Before a tile is measured, an arrow is drawn on its upper side along its x axis, which is along the first \
@@ -76,13 +76,13 @@ fn bill(list: &BillOfMaterials) -> PrintedTable<'static> {
 fn plan_table(plan: &[PlanRow]) -> PrintedTable<'static> {
     let row = |row: &PlanRow| {
         let [x, y, z] = row.centre_mm.to_array().map(|value| twelve_digits(value).to_string());
-        let (angle, laid) = (row.mark_deg.to_string(), if row.is_laid { "yes" } else { "" });
-        [&row.place, &row.tile, &x, &y, &z, row.up, row.mark, &angle, laid].map(str::to_owned).to_vec()
+        let (angle, placed) = (row.mark_deg.to_string(), if row.is_placed { "yes" } else { "" });
+        [&row.place, &row.tile, &x, &y, &z, row.up, row.mark, &angle, placed].map(str::to_owned).to_vec()
     };
     PrintedTable {
         heading: "Plan",
         remark: "Centres of the tiles in mm.".to_owned(),
-        columns: vec!["place", "tile", "x", "y", "z", "up", "mark", "angle, deg", "laid"],
+        columns: vec!["place", "tile", "x", "y", "z", "up", "mark", "angle, deg", "placed"],
         rows: plan.iter().map(row).collect(),
         has_boxes: true,
     }

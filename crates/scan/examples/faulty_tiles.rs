@@ -65,12 +65,12 @@ fn faulty_tiles(count: usize, random: &mut ChaCha8Rng) -> [(usize, ErrorKind, Pe
 }
 
 fn names_exactly(found: &Diagnosis, wanted: &[(usize, ErrorKind)]) -> bool {
-    let mut named: Vec<(usize, ErrorKind)> =
-        found.named.iter().map(|named| (named.candidate.tile, named.candidate.kind)).collect();
+    let mut detected: Vec<(usize, ErrorKind)> =
+        found.detected.iter().map(|detected| (detected.candidate.tile, detected.candidate.kind)).collect();
     let mut wanted = wanted.to_vec();
-    named.sort_unstable();
+    detected.sort_unstable();
     wanted.sort_unstable();
-    named == wanted
+    detected == wanted
 }
 
 /// Three shares of films: exactly the three faulty tiles are identified; all faulty tiles are
@@ -95,11 +95,11 @@ fn measure(layout: &Layout, films: u64, expected: Option<&TileErrors>, height_mm
             RealFilm::new(&made, &FilmTolerance::default()).tiles_with_errors(&errors, &[]).expect("tiles exist");
         let found = diagnosis.diagnose(&read(&film, &mut random), |_| {}).expect("a diagnosis");
         let wanted = faulty.map(|(tile, kind, _)| (tile, kind));
-        let is_named = |tile: usize| found.named.iter().any(|named| named.candidate.tile == tile);
+        let is_detected = |tile: usize| found.detected.iter().any(|detected| detected.candidate.tile == tile);
         counts[0] += u64::from(names_exactly(&found, &wanted));
-        counts[1] += u64::from(wanted.iter().all(|(tile, _)| is_named(*tile)));
+        counts[1] += u64::from(wanted.iter().all(|(tile, _)| is_detected(*tile)));
         let right = diagnosis.diagnose(&read(&made, &mut random), |_| {}).expect("a diagnosis");
-        counts[2] += u64::from(!right.named.is_empty());
+        counts[2] += u64::from(!right.detected.is_empty());
     }
     counts
 }
@@ -114,7 +114,9 @@ fn main() {
         "jig" => Preset::Jig.errors(),
         other => panic!("{other} is neither workshop nor jig"),
     });
-    println!("{path}: of {films} films: exactly the three faulty tiles / all three and others / right films named");
+    println!(
+        "{path}: of {films} films: exactly the three faulty tiles / all three and others / fault-free films detected"
+    );
     for height_mm in HEIGHTS_MM {
         for noise_t in NOISES_T {
             let start = Instant::now();

@@ -30,7 +30,7 @@ mod parameters;
 mod positions;
 
 pub use diagnosis::{
-    Candidate, Diagnosis, DiagnosisError, DiagnosisSettings, ErrorKind, FieldScan, FittedError, NamedError,
+    Candidate, DetectedError, Diagnosis, DiagnosisError, DiagnosisSettings, ErrorKind, FieldScan, FittedError,
     NarrowedError, ScanDiagnosis, SimilarErrors,
 };
 pub use fit::fit_scan;

@@ -18,12 +18,12 @@ pub struct LowRank {
 
 impl LowRank {
     /// The basis of columns of equal lengths. The root mean square of what the basis lacks is at
-    /// most the part `left_out` of the root mean square of the columns.
-    pub fn new(mut columns: Vec<Vec<f64>>, left_out: f64) -> LowRank {
+    /// most the part `omitted` of the root mean square of the columns.
+    pub fn new(mut columns: Vec<Vec<f64>>, omitted: f64) -> LowRank {
         let mut coordinates = vec![Vec::new(); columns.len()];
         let mut basis: Vec<Vec<f64>> = Vec::new();
         let mut squares: Vec<f64> = columns.iter().map(|column| dot(column, column)).collect();
-        let allowed = left_out * left_out * squares.iter().sum::<f64>();
+        let allowed = omitted * omitted * squares.iter().sum::<f64>();
         loop {
             let pivot = (0..columns.len()).max_by(|a, b| squares[*a].total_cmp(&squares[*b]));
             let Some(pivot) = pivot.filter(|_| squares.iter().sum::<f64>() > allowed) else { break };

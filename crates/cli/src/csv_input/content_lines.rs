@@ -163,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn blank_lines_and_comments_are_left_out_and_counted() {
+    fn blank_lines_and_comments_are_skipped_and_counted() {
         let (text, numbers) = read("a\r\n\r\n# b\n\tc  d \r  # e\n   \nf,#\n\ng", false);
         assert_eq!(text, "a\n\tc  d \nf,#\ng");
         assert_eq!([1, 2, 3, 4].map(|line| numbers.in_file(line)), [11, 14, 17, 19]);

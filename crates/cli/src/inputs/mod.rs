@@ -2,12 +2,12 @@
 
 /// Blocks as tiles.
 pub(crate) mod blocks;
-/// The tile of each step of laying.
-pub(crate) mod laying_order;
 /// Measured tiles, sorted by the parts of a layout.
 pub(crate) mod measured_tiles;
-/// Tiles that lie already.
+/// Tiles already placed.
 pub(crate) mod placed_tiles;
+/// The tile of each step of a placement order.
+pub(crate) mod placement_order;
 /// Points, in batches or all.
 pub(crate) mod points;
 /// Points for the verbs that compare with the ideal film.

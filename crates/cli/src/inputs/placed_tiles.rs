@@ -1,9 +1,9 @@
-//! Tiles that lie already, from a CSV file with the columns of a plan.
+//! Tiles already placed, from a CSV file with the columns of a plan.
 
 use std::path::Path;
 
 use magsplice::layout::Layout;
-use magsplice::making::{Laying, LyingTile, PartlyPlaced, PlaceGroup};
+use magsplice::making::{FixedTile, PartlyPlaced, PlaceGroup, Placement};
 
 use crate::csv_input::finder::{Column, Finder};
 use crate::csv_input::limited_lines::shown;
@@ -25,7 +25,7 @@ struct Columns {
     position: Option<[Column; 3]>,
     up: Option<Column>,
     mark: Column,
-    laid: Option<Column>,
+    placed: Option<Column>,
 }
 
 /// Reads which of the tiles of `groups` lie in the film of a layout. The failure lists all rows
@@ -33,36 +33,36 @@ struct Columns {
 pub(crate) fn read(path: &Path, layout: &Layout, groups: &[PlaceGroup]) -> Result<PartlyPlaced, Failure> {
     let has_names = |names: &[String]| PLACE.is_among(names) && TILE.is_among(names);
     let rows = Rows::open(path, FORM, "place,tile,x_mm,y_mm,z_mm,up,mark_deg", has_names, columns)?;
-    let mut laying = Laying::new(layout, groups);
+    let mut placement = Placement::new(layout, groups);
     rows.read_all(|columns, cells| {
-        match columns.laid.map_or("yes".to_owned(), |column| cells.text(column).to_lowercase()).as_str() {
-            "yes" => lay(&mut laying, columns, cells),
+        match columns.placed.map_or("yes".to_owned(), |column| cells.text(column).to_lowercase()).as_str() {
+            "yes" => place(&mut placement, columns, cells),
             "no" => {}
-            other => cells.fault(format!("laid = \"{}\", must be yes or no", shown(other))),
+            other => cells.fault(format!("placed = \"{}\", must be yes or no", shown(other))),
         }
         Some(())
     })?;
-    Ok(laying.finish())
+    Ok(placement.finish())
 }
 
 fn columns(finder: &mut Finder) -> Option<Columns> {
     let (place, tile) = (finder.column(&PLACE), finder.column(&TILE));
-    let (up, laid) = (finder.column(&text("up", &["up"])), finder.column(&text("laid", &["laid"])));
+    let (up, placed) = (finder.column(&text("up", &["up"])), finder.column(&text("placed", &["placed"])));
     let position = finder.group(&POSITION, None);
     let mark = finder.column(&MARK);
     let needed = [(place, "place: place"), (tile, "tile: tile"), (mark, "direction of the mark: mark_deg")];
     needed.iter().filter(|(column, _)| column.is_none()).for_each(|(_, columns)| finder.missing(columns));
-    Some(Columns { place: place?, tile: tile?, position, up, mark: mark?, laid })
+    Some(Columns { place: place?, tile: tile?, position, up, mark: mark?, placed })
 }
 
-/// Lays the tile of a row, or adds what is wrong with its numbers, else with the tile.
-fn lay(laying: &mut Laying, columns: &Columns, cells: &mut Cells) {
+/// Places the tile of a row, or adds what is wrong with its numbers, else with the tile.
+fn place(placement: &mut Placement, columns: &Columns, cells: &mut Cells) {
     let position_mm = columns.position.and_then(|columns| cells.vector(&columns));
     let mark_deg = cells.number(columns.mark);
     if cells.faults.is_empty() {
         let up = columns.up.map_or("+z", |column| cells.text(column));
         let (place, tile) = (cells.text(columns.place), cells.text(columns.tile));
-        if let Err(found) = laying.lay(&LyingTile { place, tile, position_mm, up, mark_deg }) {
+        if let Err(found) = placement.place(&FixedTile { place, tile, position_mm, up, mark_deg }) {
             cells.faults = found;
         }
     }

@@ -178,7 +178,7 @@ fn errors_at_points(found: &FilmPointDecoupling) -> String {
     }
     text += &changes_from(found.reference_mm);
     text += &singular_points(&found.decoupling.singular);
-    text + &format!("  uniformity RMSE: undefined, {}\n", found.left_out.uniformity_rmse)
+    text + &format!("  uniformity RMSE: undefined, {}\n", found.omitted.uniformity_rmse)
 }
 
 fn changes_from(r: DVec3) -> String {

@@ -1,4 +1,4 @@
-//! `magsplice forces`: forces and torques of the tiles on each other, and orders of laying.
+//! `magsplice forces`: forces and torques of the tiles on each other, and placement orders.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -14,7 +14,7 @@ use magsplice_report::forces_figure;
 
 use crate::args::formats::{FileFormat, FileKind};
 use crate::failure::Failure;
-use crate::inputs::laying_order;
+use crate::inputs::placement_order;
 use crate::output::choice;
 use crate::output::json;
 use crate::remarks;
@@ -97,7 +97,7 @@ pub(crate) fn run(args: &ForcesArgs, quiet: bool) -> Result<(), Failure> {
         Some("given") => Some(OrderChoice::Given),
         Some("least") => Some(OrderChoice::Least { seed: args.seed }),
         Some(path) => {
-            let tiles = laying_order::read(Path::new(path), &session.layout)?;
+            let tiles = placement_order::read(Path::new(path), &session.layout)?;
             Some(OrderChoice::Stated { source: path.to_owned(), tiles })
         }
     };

@@ -21,7 +21,8 @@ fn scatter(number: usize) -> f64 {
     (12.9898 * number as f64 + 0.5).sin()
 }
 
-/// A box of the tiles of a film and `spares` more of each part, wrong by up to 4 % and 2 degrees.
+/// A box of the tiles of a film and `spares` more of each part, with errors of up to 4 % and 2
+/// degrees.
 fn boxed(sandbox: &Sandbox, film: &str, spares: usize) -> Vec<Cut> {
     let said = sandbox.run(&["tiles", film, "--format", "csv"]);
     let mut cut = Vec::new();
@@ -113,7 +114,7 @@ fn plan_is_the_film_that_is_written() {
         assert_eq!((plan.len(), tiles.len()), (56, 56));
         let mut used = HashSet::new();
         for row in plan {
-            assert!(used.insert(row["tile"].to_string()), "{row} is laid twice");
+            assert!(used.insert(row["tile"].to_string()), "{row} is placed twice");
             let tile = tiles.iter().find(|tile| tile["name"] == row["place"]).expect("the tile of the place");
             let cut = cut.iter().find(|cut| row["tile"] == cut.name.as_str()).expect("a tile of the box");
             let j_t = turned(cut.j_t, row["up"].as_str().expect("a side"), number(&row["mark_deg"]));
@@ -148,14 +149,14 @@ fn tiles_that_lie_stay() {
     let after = assigned(&sandbox, &film, &["--placed", "placed.csv"]);
     for (row, line) in after["plan"].as_array().expect("a plan").iter().zip(&lines[1..]).take(10) {
         let cells: Vec<&str> = line.split(',').collect();
-        assert_eq!(row["is_laid"], Value::Bool(true));
+        assert_eq!(row["is_placed"], Value::Bool(true));
         assert_eq!((row["place"].as_str(), row["tile"].as_str()), (Some(cells[0]), Some(cells[1])));
         for (axis, cell) in cells[2..5].iter().enumerate() {
             assert!((number(&row["centre_mm"][axis]) - cell.parse::<f64>().expect("a number")).abs() < 1e-12);
         }
         assert!((number(&row["mark_deg"]) - cells[7].parse::<f64>().expect("a number")).abs() < 2e-6, "{row} {line}");
     }
-    assert!(after["plan"].as_array().expect("a plan")[10..].iter().all(|row| row["is_laid"] == Value::Bool(false)));
+    assert!(after["plan"].as_array().expect("a plan")[10..].iter().all(|row| row["is_placed"] == Value::Bool(false)));
     let rms = |found: &Value| number(&found["rms_mm"]);
     assert!((decoupled_rms_mm(&sandbox, "assigned.toml") / rms(&after) - 1.0).abs() < 1e-6);
     assert!(rms(&after) > rms(&before), "{after}");
@@ -205,10 +206,10 @@ fn measured_sides_are_those_of_the_film() {
     refused.refuses("side is 33.2 mm, must be within 0.5 to 2 times the 3.3 mm of part 1");
 }
 
-/// The written [tolerance] keeps the errors of laying and has those of the measurements; no side is
-/// turned over if none may be.
+/// The written [tolerance] has the errors of placement and of measurement; no side is turned over
+/// if none may be.
 #[test]
-fn tolerance_of_the_film_is_that_of_laying_and_measuring() {
+fn tolerance_of_the_film_has_placement_and_measurement_errors() {
     let sandbox = Sandbox::new();
     let ordered = std::fs::read_to_string(shipped("published-film")).expect("a layout");
     let errors = "\n[tolerance]\nposition_mm = 0.05\nstrength = 0.03\ndirection_deg = 1\n";
@@ -337,14 +338,14 @@ fn wrong_tables_are_refused_by_line() {
         run(&["--placed", "placed.csv", "--starts", "1"])
     };
     let cells: Vec<&str> = rows[1].split(',').collect();
-    let row = |place: &str, tile: &str, mark_deg: &str, laid: &str| {
+    let row = |place: &str, tile: &str, mark_deg: &str, placed: &str| {
         let [x, y, z, up] = [2, 3, 4, 5].map(|column| cells[column]);
-        format!("{place},{tile},{x},{y},{z},{up},+x,{mark_deg},{laid}")
+        format!("{place},{tile},{x},{y},{z},{up},+x,{mark_deg},{placed}")
     };
     let [place, tile, mark] = [cells[0], cells[1], cells[7]];
     placed(&row("x", tile, mark, "yes")).refuses("line 2: place = \"x\", must be the name of a tile of the layout");
     placed(&row(place, "x", mark, "yes")).refuses("line 2: tile = \"x\", must be one of the measured tiles");
-    placed(&row(place, tile, mark, "maybe")).refuses("line 2: laid = \"maybe\", must be yes or no");
+    placed(&row(place, tile, mark, "maybe")).refuses("line 2: placed = \"maybe\", must be yes or no");
     let turned = (mark.parse::<f64>().unwrap() + 90.0).to_string();
     placed(&row(place, tile, &turned, "yes"))
         .refuses("its polarization does not fit the place; its orientation must be near:");
@@ -396,7 +397,7 @@ fn tiles_with_recoil_are_assigned_with_what_it_adds() {
     assert!(number(&found["recoil"]["change_t"]) > 0.0, "{found}");
     let (stated, in_order) = (number(&found["rms_mm"]), number(&found["in_order_rms_mm"]));
     let decoupled = decoupled_rms_mm(&sandbox, "assigned.toml");
-    // How a tile that is wrong changes others is neglected: a fifth of the susceptibility of its
+    // The effect of a faulty tile on others is neglected: a fifth of the susceptibility of its
     // error.
     assert!((decoupled - stated).abs() < 0.2 * 0.05 * in_order, "{decoupled} and {found}");
     assigned(&sandbox, "rigid.toml", &[]);

@@ -38,7 +38,7 @@ fn parameters_at_the_points_of_the_volume_are_those_of_the_volume() {
         assert_eq!(volume["columns"][column], points["columns"][column], "{column}");
     }
     assert!(points.get("uniformity_rmse").is_none());
-    assert!(points["left_out"]["uniformity_rmse"].as_str().expect("a reason").contains("planes of a grid"));
+    assert!(points["omitted"]["uniformity_rmse"].as_str().expect("a reason").contains("planes of a grid"));
     let column = |name: &str| -> Vec<f64> {
         points["columns"][name].as_array().expect(name).iter().map(|v| v.as_f64().expect("a number")).collect()
     };
@@ -65,7 +65,7 @@ fn parameters_at_the_points_of_the_volume_are_those_of_the_volume() {
 }
 
 #[test]
-fn report_says_what_is_left_out() {
+fn report_gives_the_reason_for_omitted_keys() {
     let sandbox = Sandbox::new();
     sandbox.write("points.csv", "x_mm,y_mm,z_mm\n0,0,-5\n1,0.5,-4\n");
     let film = shipped("published-film");

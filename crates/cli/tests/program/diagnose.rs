@@ -76,7 +76,7 @@ fn scanned_of(errors: &[(usize, f64, f64, f64)], material: &str) -> Sandbox {
     sandbox
 }
 
-const WRONG: [(usize, f64, f64, f64); 3] = [(1, 0.1, 1.0, 0.0), (3, 0.0, 0.95, 0.0), (5, 0.0, 1.0, 3.0)];
+const FAULTY: [(usize, f64, f64, f64); 3] = [(1, 0.1, 1.0, 0.0), (3, 0.0, 0.95, 0.0), (5, 0.0, 1.0, 3.0)];
 
 fn run(sandbox: &Sandbox, options: &[&str]) -> crate::RunOutput {
     sandbox.run(&[&["diagnose", "film.toml", "--scan", "scan.csv", "--noise", "10uT"], options].concat())
@@ -84,14 +84,14 @@ fn run(sandbox: &Sandbox, options: &[&str]) -> crate::RunOutput {
 
 /// Values are within five of their deviations.
 #[test]
-fn wrong_tiles_are_named_with_their_errors() {
-    let sandbox = scanned(&WRONG);
+fn faulty_tiles_are_reported_with_their_errors() {
+    let sandbox = scanned(&FAULTY);
     let said = run(&sandbox, &["--format", "json", "--quiet"]);
     assert_eq!((said.status, said.stderr.as_str()), (0, ""));
     let found: Value = serde_json::from_str(&said.stdout).expect("JSON");
-    let named = found["faulty"].as_array().expect("a list");
+    let faulty = found["faulty"].as_array().expect("a list");
     let mut names: Vec<(&str, &str)> =
-        named.iter().map(|of| (of["tile"].as_str().unwrap(), of["kind"].as_str().unwrap())).collect();
+        faulty.iter().map(|of| (of["tile"].as_str().unwrap(), of["kind"].as_str().unwrap())).collect();
     names.sort_unstable();
     assert_eq!(names, [("left-high", "strength"), ("middle-low", "displacement"), ("right-high", "turn")]);
     for (tile, component, value) in [
@@ -99,7 +99,7 @@ fn wrong_tiles_are_named_with_their_errors() {
         ("middle-low", "position_x_mm", 0.1),
         ("right-high", "rotation_z_deg", 3.0),
     ] {
-        let of_tile = named.iter().find(|of| of["tile"] == tile).expect("a named tile");
+        let of_tile = faulty.iter().find(|of| of["tile"] == tile).expect("a faulty tile");
         let [found, deviation] = [0, 1].map(|n| of_tile["components"][component][n].as_f64().expect("a number"));
         assert!((found - value).abs() < 5.0 * deviation && deviation < 0.1 * f64::abs(value), "{found} +- {deviation}");
     }
@@ -113,28 +113,28 @@ fn wrong_tiles_are_named_with_their_errors() {
 
 /// What recoil adds to the field is that of the film as ordered, and is no error of a tile.
 #[test]
-fn weak_tile_among_tiles_with_recoil_is_named_alone() {
+fn weak_tile_among_tiles_with_recoil_is_found_alone() {
     let sandbox = scanned_of(&[(3, 0.0, 0.95, 0.0)], "[material]\nrecoil_permeability = 1.05\n");
     let said = run(&sandbox, &["--format", "json", "--quiet"]);
     assert_eq!((said.status, said.stderr.as_str()), (0, ""));
     let found: Value = serde_json::from_str(&said.stdout).expect("JSON");
-    let named = found["faulty"].as_array().expect("a list");
-    assert!(named.len() == 1 && named[0]["tile"] == "left-high" && named[0]["kind"] == "strength", "{found}");
-    let strength = named[0]["components"]["strength_percent"][0].as_f64().expect("a number");
+    let faulty = found["faulty"].as_array().expect("a list");
+    assert!(faulty.len() == 1 && faulty[0]["tile"] == "left-high" && faulty[0]["kind"] == "strength", "{found}");
+    let strength = faulty[0]["components"]["strength_percent"][0].as_f64().expect("a number");
     // What the weak tile changes in itself and in others is neglected: 2 % of its change.
     assert!((strength + 5.0).abs() < 0.2, "{strength}");
     assert!(found["recoil"]["cells"].as_u64().is_some_and(|cells| cells > 6), "{found}");
     // The same scan of rigid tiles is of another film.
     sandbox.write("film.toml", &layout(&[]).replacen("overlap_mm = 1.0\n", "", 1));
     let rigid: Value = serde_json::from_str(&run(&sandbox, &["--format", "json", "-q"]).stdout).expect("JSON");
-    assert!(rigid["faulty"].as_array().is_some_and(|named| named.len() > 1), "{rigid}");
+    assert!(rigid["faulty"].as_array().is_some_and(|faulty| faulty.len() > 1), "{rigid}");
 }
 
 /// The film that was found has no requirements, allows the overlap of its tiles, and is taken by
 /// the verbs that evaluate films.
 #[test]
 fn found_film_is_a_layout() {
-    let sandbox = scanned(&WRONG);
+    let sandbox = scanned(&FAULTY);
     let said = run(&sandbox, &["-o", "found.toml", "--quiet"]);
     assert_eq!((said.status, said.stderr.as_str()), (0, ""));
     let found = sandbox.read("found.toml");
@@ -155,7 +155,7 @@ fn found_film_is_a_layout() {
 }
 
 #[test]
-fn right_films_have_no_wrong_tile_and_large_noise_is_told() {
+fn fault_free_films_have_no_faulty_tile_and_large_noise_is_reported() {
     let sandbox = scanned(&[]);
     assert!(run(&sandbox, &[]).stdout.contains("no faulty tile"));
     let said = run(&sandbox, &["--fit", "--preset", "jig"]);

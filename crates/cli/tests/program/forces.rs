@@ -1,4 +1,4 @@
-//! `forces`: forces and torques of the tiles on each other, and orders of laying.
+//! `forces`: forces and torques of the tiles on each other, and placement orders.
 
 use serde_json::Value;
 
@@ -38,7 +38,7 @@ fn stacked_cubes_attract() {
 const STACKED_N: f64 = 32.378_632_963_894_32;
 
 #[test]
-fn published_film_is_laid_with_less_force_in_another_order() {
+fn published_film_is_placed_with_less_force_in_another_order() {
     let sandbox = Sandbox::new();
     let film = shipped("published-film");
     let film = film.as_str();
@@ -64,16 +64,16 @@ fn orders_are_read_back() {
     let sandbox = Sandbox::new();
     sandbox.write("film.toml", STACKED);
     sandbox.write("order.csv", "tile\nupper\nlower\n");
-    let said = sandbox.run(&["forces", "film.toml", "--order", "order.csv", "-o", "laid.csv"]);
+    let said = sandbox.run(&["forces", "film.toml", "--order", "order.csv", "-o", "placed.csv"]);
     assert_eq!((said.status, said.stdout.as_str(), said.stderr.as_str()), (0, "", ""));
-    let laid = sandbox.read("laid.csv");
+    let placed = sandbox.read("placed.csv");
     assert!(
-        laid.lines().nth(1).is_some_and(|line| line.starts_with("\"upper\",") && line.contains(",1,0e0,")),
-        "{laid}"
+        placed.lines().nth(1).is_some_and(|line| line.starts_with("\"upper\",") && line.contains(",1,0e0,")),
+        "{placed}"
     );
     let first = sandbox.run(&["forces", "film.toml", "--order", "order.csv", "--format", "json"]).stdout;
-    let again = sandbox.run(&["forces", "film.toml", "--order", "laid.csv", "--format", "json"]).stdout;
-    assert_eq!(first.replace("order.csv", "laid.csv"), again);
+    let again = sandbox.run(&["forces", "film.toml", "--order", "placed.csv", "--format", "json"]).stdout;
+    assert_eq!(first.replace("order.csv", "placed.csv"), again);
     let text = sandbox.run(&["forces", "film.toml", "--order", "given"]).stdout;
     assert!(text.contains("at step 2, upper"), "{text}");
 }

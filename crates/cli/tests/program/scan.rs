@@ -65,7 +65,7 @@ fn known_parameters_of_a_scan_are_recovered() {
             ["corrected", "simulated"].map(|name| number(&result["uniformity_rmse"][name][parameter]));
         assert!((corrected - simulated).abs() < 1e-9, "{result}");
     }
-    assert_eq!((&result["left_out"], &result["repeated"]), (&Value::Array(vec![]), &Value::Array(vec![])));
+    assert_eq!((&result["excluded"], &result["repeated"]), (&Value::Array(vec![]), &Value::Array(vec![])));
     assert_eq!(result["grid"], serde_json::json!([9, 9, 5]));
     // The table has the places of the film, and no residuals.
     let saved = rows(&sandbox.read("saved.csv"));
@@ -114,7 +114,7 @@ fn gaps_repeated_positions_and_outliers_are_named() {
     assert!(said.stderr.contains("scan.csv: line 101: excluded as an outlier, residual ("), "{}", said.stderr);
     assert!(said.stdout.lines().all(|line| line.len() <= 140), "{}", said.stdout);
     let result = fitted(&sandbox, &[]);
-    assert_eq!(result["left_out"], serde_json::json!([101]));
+    assert_eq!(result["excluded"], serde_json::json!([101]));
     assert!((number(&result["residual_t"]) / (1e-5 / 12.0_f64.sqrt()) - 1.0).abs() < 0.1, "{result}");
     for name in ["offset_t", "start_mm", "rotation_deg"] {
         for axis in 0..3 {

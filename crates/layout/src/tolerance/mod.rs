@@ -85,7 +85,8 @@ impl FilmTolerance {
 /// fractions of the strength. The default is a tile without errors.
 pub type TileErrors = PerTileError<Distribution>;
 
-/// Tiles with errors in common, such as a row laid along one ruler or a batch magnetized together.
+/// Tiles with errors in common, such as a row placed along one ruler or a batch magnetized
+/// together.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ErrorGroup {
     /// Name, unique within the layout.

@@ -1,11 +1,11 @@
 //! Usual errors of tiles, by the way in which a film is made.
 //!
 //! * By hand: a line drawn on a carrier is followed to a few tenths of a millimetre, three
-//!   deviations of 0.15 mm. A tile of 3 mm that is laid so is turned by 1.5 degrees. Magnets from a
-//!   shop are specified to 0.1 mm in size, two deviations, and one grade of them spans 6 % of
+//!   deviations of 0.15 mm. A tile of 3 mm that is placed so is turned by 1.5 degrees. Magnets from
+//!   a shop are specified to 0.1 mm in size, two deviations, and one grade of them spans 6 % of
 //!   remanence. Their axis of magnetization is specified to 3 degrees or not at all.
-//! * Workshop: tiles laid under a magnifier or against stops, sorted by size and axis, whose errors
-//!   are then small beside the others.
+//! * Workshop: tiles placed under a magnifier or against stops, sorted by size and axis, whose
+//!   errors are then small beside the others.
 //! * Jig: pockets of a milled frame are in place to 0.02 mm, and the play of a tile in its pocket
 //!   is as large. It turns a tile of 3 mm by 0.2 degrees. Ground faces keep 0.02 mm. One batch
 //!   keeps 1 % of remanence. A frame does not sort magnets by their axis: 1 degree is usual for
@@ -21,11 +21,11 @@ use crate::tolerance::distribution::Distribution;
 #[derive(Clone, Copy, Debug, Deserialize, Eq, JsonSchema, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Preset {
-    /// Magnets from a shop, laid along a drawn line.
+    /// Magnets from a shop, placed along a drawn line.
     ByHand,
     /// Ground magnets of one batch in a milled frame.
     Jig,
-    /// Sorted magnets, laid with care against stops.
+    /// Sorted magnets, placed with care against stops.
     Workshop,
 }
 

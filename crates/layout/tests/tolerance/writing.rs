@@ -159,7 +159,7 @@ fn files_beside_the_layout_give_measured_errors_and_a_neighbour() {
 }
 
 #[test]
-fn errors_of_tiles_that_are_left_out_are_left_out() {
+fn errors_of_omitted_tiles_are_omitted() {
     let mut found = tolerance(
         "[tolerance]\nstrength = 0.01\n[[tolerance.tile]]\ntiles = [\"bar\"]\nstrength = 0.02\n\
          [[tolerance.group]]\nname = \"a\"\ntiles = [\"corner\", \"bar\"]\nstrength = 0.1\n\

@@ -131,8 +131,8 @@ impl Film {
         })
     }
 
-    /// The layout of an assigned film: its tiles as measured, and the errors of laying and of the
-    /// measurements. `has_sizes` is whether sides were measured, `program` who assigned, in the
+    /// The layout of an assigned film: its tiles as measured, with the errors of placement and of
+    /// measurement. `has_sizes` is whether sides were measured, `program` who assigned, in the
     /// history.
     pub fn assigned_layout(&self, assigned: &FilmAssignment, has_sizes: bool, program: &str) -> Layout {
         let ordered = self.layout();
@@ -141,7 +141,7 @@ impl Film {
             layout.name += ASSIGNED;
         }
         if let Some(tolerance) = &mut layout.tolerance {
-            leave_errors_of_laying(tolerance, assigned.measurement_errors.unwrap_or_default(), has_sizes);
+            keep_placement_errors(tolerance, assigned.measurement_errors.unwrap_or_default(), has_sizes);
         }
         layout.history.push(format!(
             "{program}: measured tiles in \"{}\" (sha256 {}), RMS displacement error {:.5} mm, in the order of the list \
@@ -172,9 +172,9 @@ fn shim_strength_t(ordered: &Tile, shim: &Tile) -> f64 {
     j_t.length() * j_t.dot(ordered.polarization_t()).signum()
 }
 
-/// Leaves the errors of laying. Strength and direction are known but for the errors of the
-/// measurements, and so are sides if they were measured.
-fn leave_errors_of_laying(tolerance: &mut FilmTolerance, errors: MeasurementErrors, has_sizes: bool) {
+/// Keeps the placement errors. Strength and direction have only the errors of the measurements, and
+/// so have sides if they were measured.
+fn keep_placement_errors(tolerance: &mut FilmTolerance, errors: MeasurementErrors, has_sizes: bool) {
     for tile in &mut tolerance.tiles {
         tile.strength = Distribution::normal(errors.strength);
         tile.direction = [Distribution::normal(errors.direction_rad), Distribution::normal(errors.direction_rad)];

@@ -7,7 +7,7 @@ use magsplice_field::Scene;
 use magsplice_layout::{FilmTolerance, Layout};
 use magsplice_magnet::{Quantity, TileError};
 use magsplice_scan::{
-    Candidate, Diagnosis, DiagnosisError, DiagnosisSettings, ErrorKind, FieldScan, FreeParameters, NamedError,
+    Candidate, DetectedError, Diagnosis, DiagnosisError, DiagnosisSettings, ErrorKind, FieldScan, FreeParameters,
     NarrowedError, ScanDiagnosis, ScanParameters, fit_scan,
 };
 use magsplice_sensor::Noise;
@@ -185,25 +185,25 @@ impl Film {
         self.tell(Stage::uncounted("preparing the diagnosis"));
         let scan = FieldScan { points_mm, noise_t };
         let model = ScanDiagnosis::new(&tiles, scan, settings, start).map_err(failed)?;
-        let show = |named: usize| {
-            self.tell(Stage::uncounted(if named == 0 { "searching faulty tiles" } else { "identifying faulty tiles" }));
+        let show = |found: usize| {
+            self.tell(Stage::uncounted(if found == 0 { "searching faulty tiles" } else { "identifying faulty tiles" }));
         };
         let diagnosis = model.diagnose(&field_t, show).map_err(failed)?;
         let name = |tile: usize| self.layout().tiles[tile].name.clone();
         let suspect = |of: &Candidate| Suspect { tile: name(of.tile), kind: of.kind };
-        let faulty = |named: &NamedError| FaultyTile {
-            tile: name(named.candidate.tile),
-            kind: named.candidate.kind,
-            magnitude: named.components[0].error.shown(named.magnitude()),
-            components: named
+        let faulty = |detected: &DetectedError| FaultyTile {
+            tile: name(detected.candidate.tile),
+            kind: detected.candidate.kind,
+            magnitude: detected.components[0].error.shown(detected.magnitude()),
+            components: detected
                 .components
                 .iter()
                 .map(|of| (of.error, [of.value, of.deviation].map(|value| of.error.shown(value))))
                 .collect(),
-            chi_squared: named.chi_squared,
-            ln_probability: named.ln_probability,
-            alternatives: named.alternatives.iter().map(suspect).collect(),
-            words: in_words(named),
+            chi_squared: detected.chi_squared,
+            ln_probability: detected.ln_probability,
+            alternatives: detected.alternatives.iter().map(suspect).collect(),
+            words: in_words(detected),
         };
         let unresolved = |of: &NarrowedError| UnresolvedError {
             tile: name(of.tile),
@@ -223,7 +223,7 @@ impl Film {
             noise_t,
             false_alarm,
             has_expected_errors,
-            faulty: diagnosis.named.iter().map(faulty).collect(),
+            faulty: diagnosis.detected.iter().map(faulty).collect(),
             is_complete: diagnosis.is_complete,
             scan: FittedScan::from(&diagnosis.scan),
             residual_t: diagnosis.residual_t(),
@@ -270,9 +270,9 @@ impl FilmDiagnosis {
 }
 
 /// An error in words, with its magnitude.
-fn in_words(named: &NamedError) -> String {
-    let magnitude = named.magnitude();
-    match named.candidate.kind {
+fn in_words(detected: &DetectedError) -> String {
+    let magnitude = detected.magnitude();
+    match detected.candidate.kind {
         ErrorKind::Strength if magnitude < 0.0 => format!("{:.2} % too weak", -100.0 * magnitude),
         ErrorKind::Strength => format!("{:.2} % too strong", 100.0 * magnitude),
         ErrorKind::Turn => format!("turned by {:.2} deg", magnitude.to_degrees()),
@@ -296,7 +296,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn weak_tile_is_named_by_readings_of_a_sensor_with_a_gain() {
+    fn weak_tile_is_found_by_readings_of_a_sensor_with_a_gain() {
         let squares = |second_t: f64| {
             format!(
                 "format = 1\nname = \"two\"\n[sensor]\ngain = 1.1\nnoise_ut = 1\n\

@@ -1,7 +1,7 @@
-//! Forces and torques of the tiles of a film on each other, and an order of laying.
+//! Forces and torques of the tiles of a film on each other, and a placement order.
 
 use glam::DVec3;
-use magsplice_force::{FilmForces, FilmForcesError, LayingOrder, LeastHolding, Load, OrderSettings};
+use magsplice_force::{FilmForces, FilmForcesError, LeastHolding, Load, OrderSettings, PlacementOrder};
 use magsplice_recoil::{Magnetization, RefinementError};
 use serde::Serialize;
 
@@ -35,7 +35,7 @@ pub struct FilmLoads {
     pub tiles: Vec<TileLoad>,
     /// Sum of all forces, and of all torques about the origin: zero but for round-off.
     pub sum: LoadN,
-    /// An order of laying, if one was asked for.
+    /// A placement order, if one was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub order: Option<OrderedLoads>,
 }
@@ -75,12 +75,12 @@ pub struct TileLoad {
     pub tile: usize,
 }
 
-/// An order of laying.
+/// A placement order.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct OrderedLoads {
     /// `given`, `least`, or the source of an order that was stated.
     pub source: String,
-    /// Largest force on a tile while it is laid.
+    /// Largest force on a tile while it is placed.
     pub holding_n: f64,
     /// Step of the largest force, from 1.
     pub hardest_step: usize,
@@ -95,11 +95,11 @@ pub struct OrderedLoads {
     /// Of the least order: the seed of the search.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seed: Option<u64>,
-    /// In the order of laying: the load by the tiles that are already there.
+    /// In the placement order: the load by the tiles that are already there.
     pub steps: Vec<TileLoad>,
 }
 
-/// Which order of laying is evaluated.
+/// Which placement order is evaluated.
 #[derive(Clone, Debug, PartialEq)]
 pub enum OrderChoice {
     /// The order of the layout.
@@ -119,7 +119,7 @@ pub enum OrderChoice {
 }
 
 impl Film {
-    /// The loads of the tiles on each other, and while they are laid if there is an order.
+    /// The loads of the tiles on each other, and while they are placed if there is an order.
     /// `turned_error` is the largest relative error of the force of two tiles that are turned
     /// against each other.
     ///
@@ -143,7 +143,7 @@ impl Film {
     /// of two tiles that are turned against each other.
     ///
     /// Tiles with a recoil permeability are divided into 27 cells or more, with the polarization
-    /// that they have in the whole film, also while the film is laid.
+    /// that they have in the whole film, also while the film is placed.
     fn pair_forces(&self, turned_error: f64) -> Result<(FilmForces, Option<ForceChange>), FilmError> {
         let layout = self.layout();
         let tiles = layout.bare_tiles();
@@ -174,7 +174,7 @@ impl Film {
     }
 
     fn ordered(&self, pairs: &FilmForces, choice: OrderChoice) -> Result<OrderedLoads, FilmError> {
-        let order = |tiles: Vec<usize>| LayingOrder::new(pairs, tiles).map_err(FilmError::Order);
+        let order = |tiles: Vec<usize>| PlacementOrder::new(pairs, tiles).map_err(FilmError::Order);
         let given = order((0..pairs.tile_count()).collect())?;
         let mut least = None;
         let (source, order) = match choice {

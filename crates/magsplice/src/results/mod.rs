@@ -24,7 +24,7 @@ mod diagnosis;
 mod experiment;
 /// The field at points.
 mod field;
-/// Loads on tiles, and an order of laying.
+/// Loads on tiles, and a placement order.
 mod forces;
 /// The films of a trade-off.
 #[cfg(feature = "design")]
@@ -68,7 +68,7 @@ pub use forces::{FilmLoads, ForceChange, LoadN, OrderChoice, OrderedLoads, TileL
 pub use front::{FilmFront, FrontFilm};
 pub use parts::{BillOfMaterials, PartItem};
 pub use plan::FilmPlan;
-pub use point_decoupling::{FilmPointDecoupling, FilmPointEvaluation, LeftOut};
+pub use point_decoupling::{FilmPointDecoupling, FilmPointEvaluation, Omitted};
 pub use polynomial::SensorPolynomial;
 pub use readings::{AtRest, FilmReadings};
 pub use resolution::{FilmResolution, ResolutionSummary};

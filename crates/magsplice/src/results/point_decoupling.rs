@@ -29,8 +29,8 @@ pub struct FilmPointDecoupling {
     pub worst_displacement_error_mm: Option<PerAxis>,
     /// The point where it occurs.
     pub worst_displacement_at_mm: Option<DVec3>,
-    /// What a decoupling over a grid has besides, and why it is not here.
-    pub left_out: LeftOut,
+    /// Results that only a grid has, each with the reason.
+    pub omitted: Omitted,
     /// The points.
     #[serde(skip)]
     pub points_mm: Vec<DVec3>,
@@ -48,9 +48,9 @@ pub struct FilmPointDecoupling {
     pub displacement_errors_mm: Vec<Option<DVec3>>,
 }
 
-/// Reasons why results are not known.
+/// Reasons for omitted results.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct LeftOut {
+pub struct Omitted {
     /// Why there is no uniformity RMSE.
     pub uniformity_rmse: &'static str,
 }
@@ -104,7 +104,7 @@ impl Film {
             film: self.clone(),
             worst_displacement_error_mm: worst.map(|(_, error)| error.into()),
             worst_displacement_at_mm: worst.map(|(at, _)| at),
-            left_out: LeftOut { uniformity_rmse: "needs the planes of a grid, as without --points" },
+            omitted: Omitted { uniformity_rmse: "needs the planes of a grid, as without --points" },
             decoupling,
             points_mm,
             field_t,

@@ -41,13 +41,13 @@ pub struct FilmScan {
     pub fitted: FittedScan,
     /// Their standard deviations; 0 for those that were not fitted.
     pub deviation: FittedScan,
-    /// Standard deviation of the residuals of one component, without the readings left out.
+    /// Standard deviation of the residuals of one component, without the excluded readings.
     pub residual_t: f64,
-    /// Numbers of the readings that were left out.
-    pub left_out: Vec<u64>,
+    /// Numbers of the excluded readings.
+    pub excluded: Vec<u64>,
     /// With an ideal film.
     pub uniformity_rmse: Option<ScanUniformity>,
-    /// The same as `left_out`, by indices of readings in ascending order.
+    /// The same as `excluded`, by indices of readings in ascending order.
     #[serde(skip)]
     pub outliers: Vec<usize>,
     /// Reading minus fit, along the axes of the sensor.
@@ -80,7 +80,7 @@ pub struct FittedScan {
     pub start_mm: DVec3,
 }
 
-/// Uniformity RMSE of R_x, R_y, S_z, without the readings left out. `None` where no plane has two
+/// Uniformity RMSE of R_x, R_y, S_z, without the excluded readings. `None` where no plane has two
 /// points.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ScanUniformity {
@@ -153,7 +153,7 @@ impl Film {
             fitted: FittedScan::from(&fit.parameters),
             deviation: FittedScan::from(&fit.deviations),
             residual_t: fit.noise_t,
-            left_out: numbered(&fit.outliers),
+            excluded: numbered(&fit.outliers),
             uniformity_rmse,
             outliers: fit.outliers,
             residuals_t: fit.residuals_t,

@@ -126,7 +126,7 @@ fn samples_of_sorted_films() {
         direction: [0.0175; 2].map(Distribution::normal),
         ..TileErrors::default()
     };
-    let laid = TileErrors { position: [0.05; 3].map(Distribution::normal), ..cut.clone() };
+    let placed = TileErrors { position: [0.05; 3].map(Distribution::normal), ..cut.clone() };
     let ideal = film.layout.ideal.unwrap();
     let exact = MeasurementErrors::default();
     let p95 = |errors: &TileErrors, sorted: Option<(usize, MeasurementErrors)>| {
@@ -148,13 +148,16 @@ fn samples_of_sorted_films() {
     assert!(with_spares < sorted, "{with_spares} and {sorted}");
     let measured = p95(&cut, Some((0, MEASUREMENT)));
     assert!(measured > 1.5 * sorted && measured < 0.5 * unsorted, "{measured}");
-    let [laid_unsorted, laid_sorted] = [None, Some((0, exact))].map(|sorted| p95(&laid, sorted));
-    assert!(laid_sorted > 4.0 * sorted && laid_sorted < 0.9 * laid_unsorted, "{laid_sorted} of {laid_unsorted}");
+    let [placed_unsorted, placed_sorted] = [None, Some((0, exact))].map(|sorted| p95(&placed, sorted));
+    assert!(
+        placed_sorted > 4.0 * sorted && placed_sorted < 0.9 * placed_unsorted,
+        "{placed_sorted} of {placed_unsorted}"
+    );
 }
 
 /// A box of exact tiles gives the ordered film.
 #[test]
-fn tiles_without_errors_are_laid_as_ordered() {
+fn tiles_without_errors_are_placed_as_ordered() {
     let film = Film::shipped("published-film");
     let tiles = film.layout.bare_tiles();
     let ideal = film.layout.ideal.unwrap();

@@ -3,7 +3,7 @@
 use glam::{DQuat, DVec3};
 use magsplice_layout::Layout;
 use magsplice_magnet::Tile;
-use magsplice_making::{CutTile, Laying, LyingTile, PartlyPlaced, PlaceGroup};
+use magsplice_making::{CutTile, FixedTile, PartlyPlaced, PlaceGroup, Placement};
 
 const LAYOUT: &str = r#"
 format = 1
@@ -41,15 +41,15 @@ fn measured() -> (Layout, Vec<PlaceGroup>) {
     (layout, groups)
 }
 
-fn lying<'a>(place: &'a str, tile: &'a str, up: &'a str, mark_deg: f64) -> LyingTile<'a> {
-    LyingTile { place, tile, position_mm: None, up, mark_deg }
+fn at<'a>(place: &'a str, tile: &'a str, up: &'a str, mark_deg: f64) -> FixedTile<'a> {
+    FixedTile { place, tile, position_mm: None, up, mark_deg }
 }
 
-fn laid(tiles: &[LyingTile]) -> PartlyPlaced {
+fn placed(tiles: &[FixedTile]) -> PartlyPlaced {
     let (layout, groups) = measured();
-    let mut laying = Laying::new(&layout, &groups);
-    tiles.iter().for_each(|tile| laying.lay(tile).unwrap_or_else(|faults| panic!("{faults:?}")));
-    laying.finish()
+    let mut placement = Placement::new(&layout, &groups);
+    tiles.iter().for_each(|tile| placement.place(tile).unwrap_or_else(|faults| panic!("{faults:?}")));
+    placement.finish()
 }
 
 #[track_caller]
@@ -61,7 +61,7 @@ fn assert_lies(tile: &Tile, polarization_t: DVec3) {
 #[test]
 fn film_without_a_tile_is_the_film_as_ordered() {
     let (layout, groups) = measured();
-    let empty = laid(&[]);
+    let empty = placed(&[]);
     assert_eq!(empty, PartlyPlaced { film: layout.bare_tiles(), groups, plan: Vec::new() });
 }
 
@@ -75,14 +75,14 @@ fn tile_lies_as_its_upper_side_and_its_mark_say() {
         ("west", "+z", 180.0, DVec3::new(-x, -y, z)),
         ("west", "-z", 180.0, DVec3::new(-x, y, -z)),
     ] {
-        let partly = laid(&[lying(place, "s0", up, mark_deg)]);
+        let partly = placed(&[at(place, "s0", up, mark_deg)]);
         let (index, row) = &partly.plan[0];
-        let (film, ordered) = (&partly.film, laid(&[]).film);
+        let (film, ordered) = (&partly.film, placed(&[]).film);
         assert_eq!(film[*index].position(), ordered[*index].position());
         assert_lies(&film[*index], polarization_t);
         assert!(film.iter().enumerate().all(|(other, tile)| other == *index || *tile == ordered[other]));
         assert_eq!((row.place.as_str(), row.tile.as_str(), row.up, row.mark), (place, "s0", up, "+x"));
-        assert_eq!((row.mark_deg, row.is_laid, row.is_upright()), (mark_deg, true, up == "+z"));
+        assert_eq!((row.mark_deg, row.is_placed, row.is_upright()), (mark_deg, true, up == "+z"));
         assert_eq!(row.centre_mm, film[*index].position());
     }
 }
@@ -92,7 +92,7 @@ fn tile_lies_where_it_was_measured_and_turned_as_its_mark() {
     let position_mm = DVec3::new(5.02, -0.01, 0.503);
     // 3 degrees beyond west, counted in three ways, and 3 degrees before it.
     for (mark_deg, from_east_deg) in [(183.0, 183.0), (-177.0, 183.0), (543.0, 183.0), (177.0, 177.0)] {
-        let partly = laid(&[LyingTile { position_mm: Some(position_mm), ..lying("west", "s1", "+z", mark_deg) }]);
+        let partly = placed(&[FixedTile { position_mm: Some(position_mm), ..at("west", "s1", "+z", mark_deg) }]);
         let tile = &partly.film[1];
         assert_eq!(tile.position(), position_mm);
         assert_lies(tile, DQuat::from_rotation_z(f64::to_radians(from_east_deg)) * MEASURED_T[1]);
@@ -102,7 +102,7 @@ fn tile_lies_where_it_was_measured_and_turned_as_its_mark() {
 
 #[test]
 fn places_and_tiles_that_are_used_are_not_left() {
-    let partly = laid(&[lying("west", "s0", "+z", 180.0), lying("strip", "t0", "+z", 0.0)]);
+    let partly = placed(&[at("west", "s0", "+z", 180.0), at("strip", "t0", "+z", 0.0)]);
     let left: Vec<(Vec<usize>, Vec<&str>)> = (partly.groups.iter())
         .map(|group| (group.places.clone(), group.tiles.iter().map(|tile| tile.name.as_str()).collect()))
         .collect();
@@ -117,33 +117,33 @@ fn every_rule_that_a_tile_breaks_is_named_and_the_film_stays_as_it_was() {
     let is_strip = |group: &&mut PlaceGroup| group.size_mm.y == 1.5;
     let strips = groups.iter_mut().find(is_strip).expect("strips");
     strips.places.clear();
-    let mut laying = Laying::new(&layout, &groups);
-    laying.lay(&lying("east", "s0", "+z", 0.0)).expect("a good tile");
-    let before = laying.clone().finish();
+    let mut placement = Placement::new(&layout, &groups);
+    placement.place(&at("east", "s0", "+z", 0.0)).expect("a good tile");
+    let before = placement.clone().finish();
     for (tile, parts) in [
         (
-            lying("north", "u0", "+z", 0.0),
+            at("north", "u0", "+z", 0.0),
             &["place = \"north\", must be the name of a tile", "tile = \"u0\", must be one"][..],
         ),
         (
-            lying("east", "s0", "+z", 0.0),
+            at("east", "s0", "+z", 0.0),
             &["place \"east\" already has a tile", "tile \"s0\" is already placed elsewhere"],
         ),
-        (lying("west", "t0", "+z", 0.0), &["tile \"t0\" is of part 2, place \"west\" of part 1"]),
-        (lying("strip", "t0", "+z", 0.0), &["place \"strip\" is a shim"]),
-        (lying("west", "s1", "+z", 134.0), &["must be near: +z at 180, -z at 180 deg"]),
-        (lying("west", "s1", "+z", 226.0), &["with +z up and its mark at 226 deg, its polarization does not fit"]),
-        (lying("west", "s1", "+x", 180.0), &["with +x up"]),
-        (lying("west", "s1", "up", 180.0), &["with up up"]),
-        (LyingTile { position_mm: Some(DVec3::NAN), ..lying("west", "s1", "+z", 180.0) }, &["position"]),
+        (at("west", "t0", "+z", 0.0), &["tile \"t0\" is of part 2, place \"west\" of part 1"]),
+        (at("strip", "t0", "+z", 0.0), &["place \"strip\" is a shim"]),
+        (at("west", "s1", "+z", 134.0), &["must be near: +z at 180, -z at 180 deg"]),
+        (at("west", "s1", "+z", 226.0), &["with +z up and its mark at 226 deg, its polarization does not fit"]),
+        (at("west", "s1", "+x", 180.0), &["with +x up"]),
+        (at("west", "s1", "up", 180.0), &["with up up"]),
+        (FixedTile { position_mm: Some(DVec3::NAN), ..at("west", "s1", "+z", 180.0) }, &["position"]),
     ] {
-        let faults = laying.lay(&tile).expect_err("a bad tile");
+        let faults = placement.place(&tile).expect_err("a bad tile");
         assert_eq!(faults.len(), parts.len(), "{faults:?}");
         for (fault, part) in faults.iter().zip(parts) {
             assert!(fault.contains(part), "{fault:?} does not contain {part:?}");
         }
-        assert_eq!(laying.clone().finish(), before);
+        assert_eq!(placement.clone().finish(), before);
     }
     // Just within the largest angle of a mark.
-    laying.lay(&lying("west", "s1", "+z", 136.0)).expect("a good tile");
+    placement.place(&at("west", "s1", "+z", 136.0)).expect("a good tile");
 }

@@ -58,7 +58,7 @@ from magsplice._comparison import Comparison, Decoupling
 from magsplice._diagnosis import Diagnosis, FaultyTile
 from magsplice._figures import Estimate, Figures, Statistics
 from magsplice._film import Assignment, Design, Film, Front
-from magsplice._forces import Forces, LayingOrder
+from magsplice._forces import Forces, PlacementOrder
 from magsplice._layout import Grid, Ideal, Tile, Tiles, Volume
 from magsplice._load import from_magpylib, load, loads, splice
 from magsplice._magpylib.fields import getB, getH
@@ -90,7 +90,6 @@ __all__ = [
     "Grid",
     "Ideal",
     "Improvement",
-    "LayingOrder",
     "LayoutError",
     "LayoutFault",
     "MagspliceError",
@@ -101,6 +100,7 @@ __all__ = [
     "PerAxis",
     "PerParameter",
     "PlacedTile",
+    "PlacementOrder",
     "PointFault",
     "PointsError",
     "Readings",

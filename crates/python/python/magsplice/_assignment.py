@@ -54,7 +54,7 @@ class PlacedTile(NamedTuple):
         Centre, in millimetres. Default: the centre of the place.
     mark : str
         The axis of the measured tile along its mark. It follows from `up`.
-    is_laid : bool
+    is_placed : bool
         Whether the tile is already placed.
     """
 
@@ -64,7 +64,7 @@ class PlacedTile(NamedTuple):
     mark_deg: float
     centre_mm: Sequence[float] | None = None
     mark: str = ""
-    is_laid: bool = False
+    is_placed: bool = False
 
 
 class Shim(Result):

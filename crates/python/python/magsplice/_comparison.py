@@ -58,7 +58,7 @@ class Decoupling(OfFilm, Table):
         "Longest error of the displacement at points that form no grid, in millimetres."
     )
     worst_displacement_at_mm: Vector | None = key("Point of the longest error, in millimetres.")
-    left_out: dict[str, str] | None = key("Results that need a grid, and the reasons.")
+    omitted: dict[str, str] | None = key("Results that need a grid, and the reasons.")
     where: Grid | Floats = key("The grid, or the points in millimetres, shape (..., 3).")
     field_t: Floats = key("B in tesla, shape (..., 3).")
     parameters: Floats = key("R_x, R_y in radians and S_z, shape (..., 3); NaN at singular points.")

@@ -1029,7 +1029,7 @@ class Assignment(OfFilm, Table):
     )
 
     def columns(self) -> dict[str, Column]:
-        """Columns place, tile, x_mm, y_mm, z_mm, up, mark, mark_deg, laid, as in a plan file."""
+        """Columns place, tile, x_mm, y_mm, z_mm, up, mark, mark_deg, placed, as in a plan file."""
         centres = np.array([row.centre_mm for row in self.plan], dtype=float)
         return {
             "place": [row.place for row in self.plan],
@@ -1038,7 +1038,7 @@ class Assignment(OfFilm, Table):
             "up": [row.up for row in self.plan],
             "mark": [row.mark for row in self.plan],
             "mark_deg": np.array([row.mark_deg for row in self.plan]),
-            "laid": ["yes" if row.is_laid else "no" for row in self.plan],
+            "placed": ["yes" if row.is_placed else "no" for row in self.plan],
         }
 
 

@@ -58,7 +58,7 @@ class _Loads(Table):
         return {"name": self.names, **loads}
 
 
-class LayingOrder(Result, _Loads):
+class PlacementOrder(Result, _Loads):
     """A placement order of tiles, each glued at its place.
 
     The holding force of a step is the magnitude of the force on its tile by the tiles already
@@ -87,22 +87,22 @@ class Forces(OfLayout, _Loads):
     )
     tiles: list[Load] = key("Load on each tile by all others.", Load)
     sum: Load = key("Sum of all loads, zero up to round-off.", Load)
-    order: LayingOrder | None = key("Loads in a placement order, if requested.", LayingOrder)
+    order: PlacementOrder | None = key("Loads in a placement order, if requested.", PlacementOrder)
 
     _rows = "tiles"
 
 
 def steps_of(order: str | Sequence[str], names: list[str]) -> list[int]:
     """Index of the tile of each step."""
-    laid = [order] if isinstance(order, str) else list(order)
+    placed = [order] if isinstance(order, str) else list(order)
     index = {name: number for number, name in enumerate(names)}
-    wrong = [name for name in laid if name not in index]
+    wrong = [name for name in placed if name not in index]
     if isinstance(order, str) or wrong:
         shown = wrong[0] if wrong else order
         raise ValueError(f'order: {shown!r}, must be "given", "least" or the names of all tiles')
-    twice = next((name for step, name in enumerate(laid) if name in laid[:step]), None)
+    twice = next((name for step, name in enumerate(placed) if name in placed[:step]), None)
     if twice is not None:
         raise ValueError(f"order: {twice!r} is placed twice")
-    if len(laid) < len(names):
-        raise ValueError(f"order: has {len(laid)} tiles, must have all {len(names)}")
-    return [index[name] for name in laid]
+    if len(placed) < len(names):
+        raise ValueError(f"order: has {len(placed)} tiles, must have all {len(names)}")
+    return [index[name] for name in placed]

@@ -1,11 +1,11 @@
-//! The tiles that a scan finds wrong, and how much it tells of each tile.
+//! The tiles that a scan finds faulty, and its resolution for each tile.
 
 use std::f64::consts::PI;
 
 use glam::{DVec2, DVec3};
 use magsplice::layout::{Layout, NamedTile};
 use magsplice::results::FilmDiagnosis;
-use magsplice::scan::{ErrorKind, NamedError};
+use magsplice::scan::{DetectedError, ErrorKind};
 use plotters::prelude::RGBColor;
 
 use crate::colours::{BLUE, ColourScale, GREEN, Palette, VERMILION, plotters_colour};
@@ -39,7 +39,7 @@ const PURPLE: RGBColor = RGBColor(170, 80, 130);
 const PALE: RGBColor = RGBColor(240, 240, 240);
 const OUTLINE: RGBColor = RGBColor(150, 150, 150);
 
-/// What is wrong with a tile.
+/// The fault of a tile.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct DrawnFault {
     kind: ErrorKind,
@@ -53,19 +53,19 @@ struct DrawnFault {
 struct DiagnosedTile<'a> {
     /// The tile as ordered.
     tile: &'a NamedTile,
-    /// What is wrong with it.
+    /// Its faults.
     faults: Vec<DrawnFault>,
     /// The largest standard deviation of its errors after the scan, over that before it, but for
     /// turns about J.
     unresolved: f64,
 }
 
-impl From<&NamedError> for DrawnFault {
-    fn from(named: &NamedError) -> DrawnFault {
-        let kind = named.candidate.kind;
+impl From<&DetectedError> for DrawnFault {
+    fn from(detected: &DetectedError) -> DrawnFault {
+        let kind = detected.candidate.kind;
         let mut components = DVec3::ZERO;
-        for (axis, of) in named.components.iter().enumerate() {
-            let is_noise = !of.is_significant() && named.components.len() > 1;
+        for (axis, of) in detected.components.iter().enumerate() {
+            let is_noise = !of.is_significant() && detected.components.len() > 1;
             components[axis] = if is_noise { 0.0 } else { of.value };
         }
         let is_angle = matches!(kind, ErrorKind::Turn | ErrorKind::Direction);
@@ -109,7 +109,7 @@ pub fn diagnosis_figure(layout: &Layout, found: &FilmDiagnosis) -> Result<Drawin
                    resolves nothing.";
     let tile = |(index, tile)| DiagnosedTile {
         tile,
-        faults: found.diagnosis.named.iter().filter(|of| of.candidate.tile == index).map(DrawnFault::from).collect(),
+        faults: found.diagnosis.detected.iter().filter(|of| of.candidate.tile == index).map(DrawnFault::from).collect(),
         unresolved: found.unresolved_share(layout, index),
     };
     let tiles: Vec<DiagnosedTile> = layout.tiles.iter().enumerate().map(tile).collect();
@@ -167,7 +167,7 @@ fn listed(tiles: &[DiagnosedTile]) -> Vec<(String, RGBColor)> {
     lines
 }
 
-/// The mark for what is wrong with a tile.
+/// The mark for the fault of a tile.
 fn mark(sheet: &Sheet, panel: &Panel, named: &NamedTile, fault: DrawnFault) -> DrawResult {
     let outline = outline(panel, &named.tile);
     sheet.outline(&outline, fault.colour(), 2.0)?;
@@ -218,7 +218,7 @@ fn pale(colour: RGBColor) -> RGBColor {
 }
 
 fn csv(tiles: &[DiagnosedTile]) -> String {
-    let mut csv = "name,wrong,unresolved\n".to_owned();
+    let mut csv = "name,faulty,unresolved\n".to_owned();
     for of in tiles {
         let faults: Vec<String> = of.faults.iter().map(|fault| fault.words()).collect();
         csv += &format!("{},\"{}\",{:?}\n", quoted(&of.tile.name), faults.join("; "), of.unresolved);

@@ -1,4 +1,4 @@
-//! The tiles from above with the force on each, and the order in which they are laid.
+//! The tiles from above with the force on each, and the order in which they are placed.
 
 use glam::{DVec2, DVec3};
 use magsplice::layout::{Layout, NamedTile};
@@ -39,18 +39,18 @@ const NUMBER_PX: [f64; 2] = [12.0, 7.0];
 struct DrawnForce<'a> {
     tile: &'a NamedTile,
     force_n: DVec3,
-    /// Step at which it is laid, from 1.
+    /// Step at which it is placed, from 1.
     step: Option<usize>,
 }
 
-/// The tiles from above, each with the force on it as an arrow: by those laid before, if the loads
-/// have an order, or by all others.
+/// The tiles from above, each with the force on it as an arrow: by the tiles placed before, if the
+/// loads have an order, or by all others.
 ///
 /// # Errors
 /// [`ReportError::Drawing`] if it cannot be drawn.
 pub fn forces_figure(layout: &Layout, loads: &FilmLoads) -> Result<Drawing, ReportError> {
-    let while_laid = loads.order.is_some();
-    let caption = if while_laid {
+    let is_ordered = loads.order.is_some();
+    let caption = if is_ordered {
         "The tiles from above with the number of the step at which each is placed, and the force on it by the \
          tiles placed before. Circles are forces out of the plane, up with a dot and down with a cross."
     } else {
@@ -60,7 +60,7 @@ pub fn forces_figure(layout: &Layout, loads: &FilmLoads) -> Result<Drawing, Repo
     let drawn = |(index, load): (usize, &TileLoad)| DrawnForce {
         tile: &layout.tiles[load.tile],
         force_n: load.load.force_n,
-        step: while_laid.then_some(index + 1),
+        step: is_ordered.then_some(index + 1),
     };
     let shown = loads.order.as_ref().map_or(&loads.tiles, |order| &order.steps);
     let tiles: Vec<DrawnForce> = shown.iter().enumerate().map(drawn).collect();
@@ -69,10 +69,10 @@ pub fn forces_figure(layout: &Layout, loads: &FilmLoads) -> Result<Drawing, Repo
         (format!("{},{step},", quoted(&tile.name)), [tile.tile.position(), *force_n].map(|v| v.to_array()).concat())
     };
     let csv = csv("name,step,x_mm,y_mm,z_mm,force_x_n,force_y_n,force_z_n", tiles.iter().map(row));
-    FigureDraft::new("forces", caption, svg(&tiles, while_laid), csv)?.rendered(SvgText::Text)
+    FigureDraft::new("forces", caption, svg(&tiles, is_ordered), csv)?.rendered(SvgText::Text)
 }
 
-fn svg(tiles: &[DrawnForce], while_laid: bool) -> Result<String, DrawError> {
+fn svg(tiles: &[DrawnForce], is_ordered: bool) -> Result<String, DrawError> {
     let [low, high] = film_bounds(tiles.iter().map(|force| &force.tile.tile));
     let largest = tiles.iter().map(|force| force.tile.tile.size().truncate().max_element()).fold(0.0, f64::max);
     let film = (high - low).truncate().max_element();
@@ -91,7 +91,7 @@ fn svg(tiles: &[DrawnForce], while_laid: bool) -> Result<String, DrawError> {
         order.iter().try_for_each(|force| forces.body(sheet, force))?;
         order.iter().try_for_each(|force| forces.force(sheet, force))?;
         film_axes(sheet, &panel)?;
-        forces.legend(sheet, tiles, while_laid)
+        forces.legend(sheet, tiles, is_ordered)
     })
 }
 
@@ -152,11 +152,11 @@ impl ForcePainter {
         if radius >= SMALLEST_MARK_PX { out_of_plane_mark(sheet, tail, radius, along.z > 0.0) } else { Ok(()) }
     }
 
-    fn legend(&self, sheet: &Sheet, tiles: &[DrawnForce], while_laid: bool) -> DrawResult {
+    fn legend(&self, sheet: &Sheet, tiles: &[DrawnForce], is_ordered: bool) -> DrawResult {
         let left = self.panel.right() + 24.0;
         let mut y = TOP_PX + 10.0;
         y = direction_wheel(sheet, &self.directions, left, y)? + 40.0;
-        let title = if while_laid { "Force during placement" } else { "Force by all others" };
+        let title = if is_ordered { "Force during placement" } else { "Force by all others" };
         sheet.text([left, y], title, LETTERS)?;
         y += 26.0;
         let (size_n, unit) = [(1.0, "N"), (1e-3, "mN"), (1e-6, "\u{b5}N")]
@@ -182,7 +182,7 @@ impl ForcePainter {
                 y += 26.0;
             }
         }
-        if while_laid {
+        if is_ordered {
             let words = if self.number_px.is_some() { "Numbers: steps" } else { "Tiles too small for steps" };
             sheet.text([left, y], words, LETTERS)?;
         }

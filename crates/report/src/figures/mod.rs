@@ -4,7 +4,7 @@
 pub(crate) mod along_axes;
 /// The error budget as bars.
 pub(crate) mod budget;
-/// Wrong tiles, and how much a scan tells of each.
+/// Faulty tiles, and the resolution of a scan for each.
 pub(crate) mod diagnosis;
 /// Errors of the films that are made.
 pub(crate) mod distributions;
@@ -18,8 +18,6 @@ mod film_panel;
 pub(crate) mod forces;
 /// Errors of the films of a Pareto front.
 pub(crate) mod front;
-/// The plan by which a film is laid.
-pub(crate) mod laying_plan;
 /// The tiles from above with their polarization and names.
 pub(crate) mod layout_from_above;
 /// The legend of the figure of the tiles.
@@ -28,6 +26,8 @@ mod layout_legend;
 mod map_grid;
 /// R_x, R_y, S_z on planes through the working volume.
 pub(crate) mod parameter_maps;
+/// The plan by which a film is placed.
+pub(crate) mod placement_plan;
 /// How far recoil weakens and turns each tile.
 pub(crate) mod recoil_map;
 /// Resolution of the sensor on planes.

@@ -361,7 +361,7 @@ mod tests {
     }
 
     #[test]
-    fn name_without_room_is_left_out_and_the_arrow_stays() {
+    fn name_without_room_is_omitted_and_the_arrow_remains() {
         let tiles = [tile(14.0, 14.0, 0.0, DVec2::X)];
         let Annotations { of_tiles, arrow_px } = annotations(&tiles, &[]);
         assert!(of_tiles[0].name.is_none() && arrow_px > 3.0 && of_tiles[0].half.x > 0.0);

@@ -34,7 +34,7 @@ mod unresolved;
 
 pub use candidate::{Candidate, ErrorKind};
 pub use error::DiagnosisError;
-pub use result::{Diagnosis, FittedError, NamedError};
+pub use result::{DetectedError, Diagnosis, FittedError};
 pub use scan_diagnosis::ScanDiagnosis;
 pub use settings::{DiagnosisSettings, FieldScan};
 pub use unresolved::{NarrowedError, SimilarErrors};

@@ -20,7 +20,7 @@ pub struct FittedError {
 
 /// An error that neither noise nor expected errors explain.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
-pub struct NamedError {
+pub struct DetectedError {
     /// The tile and its fault.
     #[serde(flatten)]
     pub candidate: Candidate,
@@ -44,7 +44,7 @@ impl FittedError {
     }
 }
 
-impl NamedError {
+impl DetectedError {
     /// The magnitude: the error of strength, or the length of the vector of all significant
     /// components. The scan may hardly resolve others, such as a turn about J.
     pub fn magnitude(&self) -> f64 {
@@ -64,7 +64,7 @@ impl NamedError {
 #[derive(Clone, Debug)]
 pub struct Diagnosis {
     /// The identified errors, the most certain first.
-    pub named: Vec<NamedError>,
+    pub detected: Vec<DetectedError>,
     /// Whether the list has all significant errors. A film with more than 16 is another film, or
     /// its tiles have unspecified expected errors.
     pub is_complete: bool,

@@ -91,16 +91,16 @@ impl ScanDiagnosis {
         let ln_limit = self.naming_probability().ln();
         let search = Search { model, readings_t, candidates: &self.candidates, ln_limit };
         let found = search.run(&self.nominal, watch)?;
-        let errors: Vec<Candidate> = found.named.iter().map(|named| named.candidate).collect();
-        let deviations = unknowns.with_named(&errors);
+        let errors: Vec<Candidate> = found.detected.iter().map(|detected| detected.candidate).collect();
+        let deviations = unknowns.with_detected(&errors);
         let after = PriorFit::new(&found.at.gram, &found.compared.projected, &deviations)?.deviations();
         let values = model.values(&found.at.state);
         let fitted = |index: usize| match unknowns.list[index] {
             Unknown::Tile { error, .. } => Some(FittedError { error, value: values[index], deviation: after[index] }),
             _ => None,
         };
-        let mut named = found.named;
-        for error in &mut named {
+        let mut detected = found.detected;
+        for error in &mut detected {
             error.components = unknowns.of_error(error.candidate).into_iter().filter_map(fitted).collect();
         }
         let is_part = |index: usize| errors.iter().any(|error| unknowns.of_error(*error).contains(&index));
@@ -109,7 +109,7 @@ impl ScanDiagnosis {
         });
         let chi_squared = found.compared.chi_squared
             + expected.map(|(_, (value, deviation))| (value / deviation).powi(2)).sum::<f64>();
-        let free = unknowns.of_scan() + named.iter().map(|named| named.components.len()).sum::<usize>();
+        let free = unknowns.of_scan() + detected.iter().map(|detected| detected.components.len()).sum::<usize>();
         let freedom = (3 * readings_t.len()).saturating_sub(free).max(1);
         // In the found film, components below the noise have their expected values or vanish.
         let mut resolved = deviations.clone();
@@ -121,7 +121,7 @@ impl ScanDiagnosis {
         let (film, _) = search.converged(found.at.clone(), &resolved)?;
         let prior = self.prior();
         Ok(Diagnosis {
-            named,
+            detected,
             is_complete: found.is_complete,
             tiles: model.tiles(&film.state)?,
             errors: film.state.tiles,

@@ -7,7 +7,7 @@ use crate::diagnosis::candidate::Candidate;
 use crate::diagnosis::error::DiagnosisError;
 use crate::diagnosis::model::{Compared, Linearized, ScanModel};
 use crate::diagnosis::prior_fit::{PriorFit, Score};
-use crate::diagnosis::result::NamedError;
+use crate::diagnosis::result::DetectedError;
 
 /// Fall of the sum of squares, in units of the variance of the noise, below which Gauss-Newton
 /// steps end. Errors then change by a thirtieth of their standard deviation.
@@ -41,7 +41,7 @@ pub(crate) struct Found {
     pub(crate) at: Linearized,
     pub(crate) compared: Compared,
     /// Identified errors without their components.
-    pub(crate) named: Vec<NamedError>,
+    pub(crate) detected: Vec<DetectedError>,
     /// Whether no further error is significant.
     pub(crate) is_complete: bool,
 }
@@ -50,26 +50,26 @@ impl Search<'_> {
     /// The errors that noise and expected errors do not explain, beginning with the model at
     /// `start`.
     pub(crate) fn run(&self, start: &Linearized, mut watch: impl FnMut(usize)) -> Result<Found, DiagnosisError> {
-        let mut named: Vec<Candidate> = Vec::new();
+        let mut detected: Vec<Candidate> = Vec::new();
         let mut visited: Vec<Vec<Candidate>> = vec![Vec::new()];
-        let deviations = |named: &[Candidate]| self.model.unknowns.with_named(named);
-        let (mut at, mut compared) = self.converged(start.clone(), &deviations(&named))?;
+        let deviations = |detected: &[Candidate]| self.model.unknowns.with_detected(detected);
+        let (mut at, mut compared) = self.converged(start.clone(), &deviations(&detected))?;
         let is_complete = loop {
-            watch(named.len());
-            let Some(next) = self.next(&at, &compared, &named, &visited)? else { break true };
+            watch(detected.len());
+            let Some(next) = self.next(&at, &compared, &detected, &visited)? else { break true };
             if next.len() > MOST_NAMED {
                 break false;
             }
-            named = next;
-            let mut sorted = named.clone();
+            detected = next;
+            let mut sorted = detected.clone();
             sorted.sort_unstable();
             visited.push(sorted);
-            (at, compared) = self.converged(at, &deviations(&named))?;
+            (at, compared) = self.converged(at, &deviations(&detected))?;
         };
-        let mut tested = named
+        let mut tested = detected
             .iter()
             .map(|error| {
-                let scores = self.without(&at, &compared, &named, *error)?;
+                let scores = self.without(&at, &compared, &detected, *error)?;
                 let own = scores.iter().find(|(other, _)| other == error).map_or(Score::NONE, |(_, score)| *score);
                 let is_alike = |(other, score): &(Candidate, Score)| {
                     other != error && score.ln_probability < own.ln_probability + ALTERNATIVE
@@ -78,11 +78,17 @@ impl Search<'_> {
                 alike.sort_by(|a, b| a.1.ln_probability.total_cmp(&b.1.ln_probability));
                 let alternatives = alike.into_iter().map(|(other, _)| other).collect();
                 let Score { chi_squared, ln_probability } = own;
-                Ok(NamedError { candidate: *error, components: Vec::new(), chi_squared, ln_probability, alternatives })
+                Ok(DetectedError {
+                    candidate: *error,
+                    components: Vec::new(),
+                    chi_squared,
+                    ln_probability,
+                    alternatives,
+                })
             })
-            .collect::<Result<Vec<NamedError>, DiagnosisError>>()?;
+            .collect::<Result<Vec<DetectedError>, DiagnosisError>>()?;
         tested.sort_by(|a, b| a.ln_probability.total_cmp(&b.ln_probability));
-        Ok(Found { at, compared, named: tested, is_complete })
+        Ok(Found { at, compared, detected: tested, is_complete })
     }
 
     /// The identified errors of the next round: one less, one exchanged, or one more. `None` if all
@@ -91,7 +97,7 @@ impl Search<'_> {
         &self,
         at: &Linearized,
         compared: &Compared,
-        named: &[Candidate],
+        detected: &[Candidate],
         visited: &[Vec<Candidate>],
     ) -> Result<Option<Vec<Candidate>>, DiagnosisError> {
         let is_new = |errors: &[Candidate]| {
@@ -101,8 +107,8 @@ impl Search<'_> {
         };
         let mut weakest: Option<(Candidate, f64)> = None;
         let mut exchange: Option<(Vec<Candidate>, f64)> = None;
-        for error in named {
-            let scores = self.without(at, compared, named, *error)?;
+        for error in detected {
+            let scores = self.without(at, compared, detected, *error)?;
             let own = scores.iter().find(|(other, _)| other == error).map_or(0.0, |(_, score)| score.ln_probability);
             if own > self.ln_limit && weakest.is_none_or(|(_, least)| own > least) {
                 weakest = Some((*error, own));
@@ -110,26 +116,28 @@ impl Search<'_> {
             for (other, score) in scores.iter().filter(|(other, _)| other != error) {
                 let gain = own - score.ln_probability;
                 if gain > 0.0 && exchange.as_ref().is_none_or(|(_, most)| gain > *most) {
-                    let exchanged: Vec<Candidate> = rest(named, *error).into_iter().chain([*other]).collect();
+                    let exchanged: Vec<Candidate> = rest(detected, *error).into_iter().chain([*other]).collect();
                     if is_new(&exchanged) {
                         exchange = Some((exchanged, gain));
                     }
                 }
             }
         }
-        if let Some(fewer) = weakest.map(|(error, _)| rest(named, error)) {
+        if let Some(fewer) = weakest.map(|(error, _)| rest(detected, error)) {
             return Ok(Some(fewer).filter(|fewer| is_new(fewer)));
         }
         if let Some((exchanged, _)) = exchange {
             return Ok(Some(exchanged));
         }
-        let fit = PriorFit::new(&at.gram, &compared.projected, &self.model.unknowns.with_named(named))?;
+        let fit = PriorFit::new(&at.gram, &compared.projected, &self.model.unknowns.with_detected(detected))?;
         let best = self
-            .scores(&fit, named)
+            .scores(&fit, detected)
             .into_iter()
             .filter(|(_, score)| score.ln_probability < self.ln_limit)
             .min_by(|a, b| a.1.ln_probability.total_cmp(&b.1.ln_probability));
-        Ok(best.map(|(error, _)| named.iter().copied().chain([error]).collect()).filter(|more: &Vec<_>| is_new(more)))
+        Ok(best
+            .map(|(error, _)| detected.iter().copied().chain([error]).collect())
+            .filter(|more: &Vec<_>| is_new(more)))
     }
 
     /// The tests of all errors that are not identified, after the removal of `error`.
@@ -137,17 +145,18 @@ impl Search<'_> {
         &self,
         at: &Linearized,
         compared: &Compared,
-        named: &[Candidate],
+        detected: &[Candidate],
         error: Candidate,
     ) -> Result<Vec<(Candidate, Score)>, DiagnosisError> {
-        let rest = rest(named, error);
-        let fit = PriorFit::new(&at.gram, &compared.projected, &self.model.unknowns.with_named(&rest))?;
+        let rest = rest(detected, error);
+        let fit = PriorFit::new(&at.gram, &compared.projected, &self.model.unknowns.with_detected(&rest))?;
         Ok(self.scores(&fit, &rest))
     }
 
     /// The tests of all errors that are not identified.
-    fn scores(&self, fit: &PriorFit, named: &[Candidate]) -> Vec<(Candidate, Score)> {
-        let others: Vec<Candidate> = self.candidates.iter().copied().filter(|error| !named.contains(error)).collect();
+    fn scores(&self, fit: &PriorFit, detected: &[Candidate]) -> Vec<(Candidate, Score)> {
+        let others: Vec<Candidate> =
+            self.candidates.iter().copied().filter(|error| !detected.contains(error)).collect();
         let components: Vec<Vec<usize>> = others.iter().map(|other| self.model.unknowns.of_error(*other)).collect();
         others.into_iter().zip(fit.scores(&components)).collect()
     }
@@ -193,6 +202,6 @@ impl Search<'_> {
 }
 
 /// The identified errors without one of them.
-fn rest(named: &[Candidate], error: Candidate) -> Vec<Candidate> {
-    named.iter().copied().filter(|other| *other != error).collect()
+fn rest(detected: &[Candidate], error: Candidate) -> Vec<Candidate> {
+    detected.iter().copied().filter(|other| *other != error).collect()
 }

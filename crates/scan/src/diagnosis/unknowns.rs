@@ -88,9 +88,9 @@ impl Unknowns {
     }
 
     /// The deviations if these errors of tiles may have any value.
-    pub(crate) fn with_named(&self, named: &[Candidate]) -> Vec<f64> {
+    pub(crate) fn with_detected(&self, detected: &[Candidate]) -> Vec<f64> {
         let mut deviations = self.expected.clone();
-        for candidate in named {
+        for candidate in detected {
             for index in self.of_error(*candidate) {
                 if let Unknown::Tile { error, .. } = self.list[index] {
                     deviations[index] = WIDE[error];

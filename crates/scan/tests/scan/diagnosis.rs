@@ -55,13 +55,13 @@ fn made_faulty(tiles: &mut [Tile], random: &mut ChaCha8Rng) -> [Candidate; 3] {
 }
 
 fn candidates(found: &Diagnosis) -> Vec<Candidate> {
-    let mut all: Vec<Candidate> = found.named.iter().map(|named| named.candidate).collect();
+    let mut all: Vec<Candidate> = found.detected.iter().map(|detected| detected.candidate).collect();
     all.sort_by_key(|candidate| (candidate.tile, candidate.kind));
     all
 }
 
 /// Number of films whose diagnosis has exactly the three faulty tiles.
-fn films_named(seeds: std::ops::Range<u64>) -> usize {
+fn films_detected(seeds: std::ops::Range<u64>) -> usize {
     let diagnosis = model(DiagnosisSettings::default());
     seeds
         .filter(|seed| {
@@ -78,20 +78,20 @@ fn films_named(seeds: std::ops::Range<u64>) -> usize {
 /// With a probability of 0.01 of a false alarm in each film, all of four diagnoses are right in 96
 /// of 100 runs; these seeds are such a run.
 #[test]
-fn three_faulty_tiles_are_named_and_no_other() {
-    assert_eq!(films_named(0..4), 4);
+fn three_faulty_tiles_are_detected_and_no_other() {
+    assert_eq!(films_detected(0..4), 4);
 }
 
 #[test]
-fn three_faulty_tiles_are_named_in_95_of_100_films() {
-    let named = films_named(0..100);
-    assert!(named >= 95, "{named}");
+fn three_faulty_tiles_are_detected_in_95_of_100_films() {
+    let detected = films_detected(0..100);
+    assert!(detected >= 95, "{detected}");
 }
 
 /// Values are within five of their deviations from the true errors. The deviations are meaningfully
 /// small: noise of 10 uT against a field of 20 mT, at several points.
 #[test]
-fn named_errors_have_their_values() {
+fn detected_errors_have_their_values() {
     let mut tiles = film();
     let mut random = ChaCha8Rng::seed_from_u64(1);
     tiles[12] = changed(&tiles[12], 3_f64.to_radians(), 1.0, DVec3::ZERO);
@@ -101,8 +101,8 @@ fn named_errors_have_their_values() {
         .diagnose(&readings(&tiles, &points(), NOISE_T, &mut random), |_| {})
         .unwrap();
     let component = |tile: usize, error: TileError| {
-        let named = found.named.iter().find(|named| named.candidate.tile == tile).expect("a named tile");
-        *named.components.iter().find(|estimate| estimate.error == error).expect("a component")
+        let detected = found.detected.iter().find(|detected| detected.candidate.tile == tile).expect("a detected tile");
+        *detected.components.iter().find(|estimate| estimate.error == error).expect("a component")
     };
     for (tile, error, value, most) in [
         (12, TileError::Rotation(Axis::Z), 3_f64.to_radians(), 2e-3),
@@ -116,7 +116,7 @@ fn named_errors_have_their_values() {
         assert!(estimate.deviation < most, "{estimate:?}");
     }
     // A turn about J adds noise only.
-    let turned = found.named.iter().find(|named| named.candidate.tile == 12).expect("a named tile");
+    let turned = found.detected.iter().find(|detected| detected.candidate.tile == 12).expect("a detected tile");
     assert!(
         (turned.magnitude() - 3_f64.to_radians()).abs() < 5.0 * component(12, TileError::Rotation(Axis::Z)).deviation,
         "{turned:?}"
@@ -157,7 +157,7 @@ fn films_with_errors_of_all_tiles_are_told() {
     let model = ScanDiagnosis::new(ordered, scan, DiagnosisSettings::default(), ScanParameters::PERFECT).unwrap();
     let found = model.diagnose(&readings_t, |_| {}).unwrap();
     assert!(!found.is_complete && found.is_residual_too_large());
-    assert_eq!(found.named.len(), 16);
+    assert_eq!(found.detected.len(), 16);
 }
 
 /// Noise of twice the specified deviation has a chi squared of four times the number of readings.
@@ -198,7 +198,7 @@ fn parameters_of_the_scan_are_fitted_beside_faulty_tiles() {
 
 /// Among tiles with expected errors, an outlier of ten deviations is identified.
 #[test]
-fn outliers_of_expected_errors_are_named() {
+fn outliers_of_expected_errors_are_detected() {
     let expected = FilmTolerance::of_tiles(&Preset::Workshop.errors(), film().len());
     let mut tiles = RealFilm::new(&film(), &expected).sample_tiles(5, 0).unwrap();
     tiles[33] = changed(&tiles[33], 0.0, 0.9, DVec3::ZERO);
@@ -206,7 +206,7 @@ fn outliers_of_expected_errors_are_named() {
     let settings = DiagnosisSettings { expected, ..DiagnosisSettings::default() };
     let found = model(settings).diagnose(&readings(&tiles, &points(), NOISE_T, &mut random), |_| {}).unwrap();
     assert_eq!(candidates(&found), [Candidate { tile: 33, kind: ErrorKind::Strength }]);
-    assert!((found.named[0].magnitude() + 0.1).abs() < 0.03, "{:?}", found.named);
+    assert!((found.detected[0].magnitude() + 0.1).abs() < 0.03, "{:?}", found.detected);
     // A scan widens no deviation.
     assert!(found.narrowed.iter().all(|error| error.ratio() < 1.0 + 1e-9));
     assert_eq!(found.narrowed.len(), (3 + 3 + 1) * tiles.len());
@@ -223,7 +223,7 @@ fn readings_do_not_depend_on_the_number_of_threads() {
         pool.install(|| model(DiagnosisSettings::default()).diagnose(&readings_t, |_| {}).unwrap())
     };
     let (one, three) = (run(1), run(3));
-    assert_eq!((one.named, one.errors, one.chi_squared), (three.named, three.errors, three.chi_squared));
+    assert_eq!((one.detected, one.errors, one.chi_squared), (three.detected, three.errors, three.chi_squared));
 }
 
 #[test]

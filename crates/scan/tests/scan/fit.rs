@@ -71,7 +71,7 @@ fn parameters_scatter_as_stated() {
 }
 
 #[test]
-fn outliers_are_left_out_and_named() {
+fn outliers_are_excluded_and_listed() {
     let (scene, points) = film();
     let mut readings = scan(&scene, &points, 5e-6, 7);
     readings[17].y += 5e-4;

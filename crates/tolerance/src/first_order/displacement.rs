@@ -9,7 +9,7 @@ use crate::evaluation_grid::SampleError;
 /// The part of the root mean square of all sensitivities that a basis of them may lack. The
 /// expected square of the displacement errors, over all axes, lacks at most the square of this
 /// part.
-pub(super) const LEFT_OUT: f64 = 1e-4;
+pub(super) const OMITTED: f64 = 1e-4;
 
 /// The derivatives of the displacement errors by the readings.
 #[derive(Clone, Debug)]

@@ -5,7 +5,7 @@ use magsplice_decouple::Figure;
 use magsplice_ideal::IdealFilm;
 use magsplice_magnet::{Axis, PerTileError, TileError};
 
-use super::displacement::{Displacement, LEFT_OUT, displacement_errors_mm};
+use super::displacement::{Displacement, OMITTED, displacement_errors_mm};
 use super::figures::FigureModel;
 use super::sources::{ErrorSource, Moments, sources};
 use super::tile_response::TileResponse;
@@ -159,7 +159,7 @@ impl FirstOrder {
             column.iter().map(|value| terms[*term].deviation * value).collect()
         };
         let varies = |sensitivity: &&Sensitivity| terms[sensitivity.term].deviation != 0.0;
-        let varying = LowRank::new(sensitivities.iter().filter(varies).map(scaled).collect(), LEFT_OUT);
+        let varying = LowRank::new(sensitivities.iter().filter(varies).map(scaled).collect(), OMITTED);
         let noise = &film.tolerance().common.sensor.noise_t;
         let noise_t2 = DVec3::from([0, 1, 2].map(|axis| Moments::new(&noise[axis]).variance));
         let rows = displacement.rows();

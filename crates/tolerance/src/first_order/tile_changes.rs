@@ -5,7 +5,7 @@ use magsplice_ideal::IdealFilm;
 use magsplice_magnet::{Axis, Tile, TileError};
 use rayon::prelude::*;
 
-use super::displacement::{Displacement, LEFT_OUT, displacement_errors_mm};
+use super::displacement::{Displacement, OMITTED, displacement_errors_mm};
 use super::tile_response::TileResponse;
 use crate::evaluation_grid::{EvaluationGrid, SampleError};
 use crate::low_rank::{LowRank, dot};
@@ -78,7 +78,7 @@ impl TileChanges {
             Ok((0..6).map(column).collect())
         };
         let columns = tiles.par_iter().enumerate().map(of_tile).collect::<Result<Vec<_>, _>>()?;
-        let reduced = LowRank::new(std::iter::once(nominal).chain(columns.into_iter().flatten()).collect(), LEFT_OUT);
+        let reduced = LowRank::new(std::iter::once(nominal).chain(columns.into_iter().flatten()).collect(), OMITTED);
         let mut coordinates = reduced.coordinates.into_iter();
         let nominal = coordinates.next().unwrap_or_default();
         let by_tile = tiles
@@ -166,7 +166,7 @@ mod tests {
         assert!(model.nominal().len() < 80, "{}", model.nominal().len());
         let nominal = model.rms_mm(&model.exact(&tiles).unwrap());
         assert!((nominal - model.rms_mm(model.nominal())).abs() < 1e-9, "{nominal}");
-        let left_out = |scale: f64| {
+        let omitted = |scale: f64| {
             let (mut changed, mut linear) = (tiles.clone(), model.nominal().to_vec());
             for (number, tile) in tiles.iter().enumerate() {
                 let wave = |n: usize| scale * ((3 * number + n) as f64).sin();
@@ -180,7 +180,7 @@ mod tests {
             let difference: Vec<f64> = exact.iter().zip(&linear).map(|(a, b)| a - b).collect();
             (model.rms_mm(&difference), model.rms_mm(&exact))
         };
-        let ((much, change), (little, _)) = (left_out(0.01), left_out(0.0025));
+        let ((much, change), (little, _)) = (omitted(0.01), omitted(0.0025));
         assert!(much < 0.03 * change && (14.0..18.0).contains(&(much / little)), "{much} of {change}, {little}");
     }
 }

@@ -78,7 +78,7 @@ fn a_further_error_changes_no_other() {
 
 /// Tiles that are cut, then placed, are those of the sample. A spare tile has errors of its own.
 #[test]
-fn tiles_are_cut_then_laid() {
+fn tiles_are_cut_then_placed() {
     let [position, rotation, size] = [normal([0.1; 3]), normal([0.05; 3]), normal([0.02; 3])];
     let strength = Distribution::normal(0.1);
     let direction = [0.03, 0.02].map(Distribution::normal);

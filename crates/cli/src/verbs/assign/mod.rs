@@ -11,7 +11,7 @@ use magsplice::results::BillOfMaterials;
 use magsplice::results::FilmAssignment;
 use magsplice::{Film, FilmError};
 #[cfg(feature = "report")]
-use magsplice_report::{SvgText, laying_plan_figure, plan_page};
+use magsplice_report::{SvgText, placement_plan_figure, plan_page};
 
 use crate::args::formats::TextOrJson;
 use crate::args::measurement::MeasurementArgs;
@@ -53,7 +53,7 @@ pub(crate) struct AssignArgs {
     #[arg(long, value_name = "FILE")]
     measured: PathBuf,
     /// CSV file of tiles already placed, with the columns of --plan. They stay; the remaining tiles
-    /// compensate. Positions are as measured; rows with no in the column laid are ignored
+    /// compensate. Positions are as measured; rows with no in the column placed are ignored
     #[arg(long, value_name = "FILE")]
     placed: Option<PathBuf>,
     /// Place of a shim tile, whose strength is computed; may be given again
@@ -124,7 +124,7 @@ pub(crate) fn run(args: &AssignArgs, quiet: bool) -> Result<(), Failure> {
     plan.map_or(Ok(()), |plan| plan.complete(&text::plan_csv(&found.plan)))?;
     #[cfg(feature = "report")]
     if figure.is_some() || page.is_some() {
-        let drawn = laying_plan_figure(&found, SvgText::Text)?;
+        let drawn = placement_plan_figure(&found, SvgText::Text)?;
         if let Some(page) = page {
             page.complete(&plan_page(&BillOfMaterials::new(&session.layout, None), &drawn, &found.plan))?;
         }

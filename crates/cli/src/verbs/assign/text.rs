@@ -20,7 +20,7 @@ pub(super) fn summary(film: &Film, found: &FilmAssignment, path: Option<&Path>) 
         counted(found.measured_tiles, "tile", "tiles"),
         counted(found.spares, "spare", "spares")
     );
-    let placed = found.plan.iter().filter(|row| row.is_laid).count();
+    let placed = found.plan.iter().filter(|row| row.is_placed).count();
     if placed > 0 {
         let _ = write!(text, ", {placed} already placed");
     }
@@ -44,7 +44,7 @@ pub(super) fn summary(film: &Film, found: &FilmAssignment, path: Option<&Path>) 
     }
 
     text += "\nplan: the upper side of each tile, and the direction of its mark in the film\n";
-    text += &rows::headed(["place", "tile", "centre, mm", "up", "mark", "laid"], found.plan.iter().map(row));
+    text += &rows::headed(["place", "tile", "centre, mm", "up", "mark", "placed"], found.plan.iter().map(row));
     if let Some(path) = path {
         let path = path.display();
         let _ = writeln!(text, "\nwrote {path}; evaluate it with `magsplice decouple {path}`");
@@ -60,12 +60,12 @@ fn row(row: &PlanRow) -> [String; 6] {
         format!("({})", centre.join(", ")),
         row.up.to_owned(),
         format!("{} at {} deg", row.mark, (row.mark_deg * 10.0).round() / 10.0),
-        if row.is_laid { "yes" } else { "" }.to_owned(),
+        if row.is_placed { "yes" } else { "" }.to_owned(),
     ]
 }
 
 /// Names of the columns of a plan.
-const COLUMNS: [&str; 9] = ["place", "tile", "x_mm", "y_mm", "z_mm", "up", "mark", "mark_deg", "laid"];
+const COLUMNS: [&str; 9] = ["place", "tile", "x_mm", "y_mm", "z_mm", "up", "mark", "mark_deg", "placed"];
 
 /// The plan as CSV, which `--placed` reads.
 pub(super) fn plan_csv(rows: &[PlanRow]) -> String {
@@ -73,7 +73,7 @@ pub(super) fn plan_csv(rows: &[PlanRow]) -> String {
         let mut cells = vec![row.place.clone(), row.tile.clone()];
         cells.extend(row.centre_mm.to_array().map(|value| twelve_digits(value).to_string()));
         cells.extend([row.up.to_owned(), row.mark.to_owned(), row.mark_deg.to_string()]);
-        cells.push(if row.is_laid { "yes" } else { "no" }.to_owned());
+        cells.push(if row.is_placed { "yes" } else { "no" }.to_owned());
         cells
     };
     rows::csv(iter::once(COLUMNS.map(str::to_owned).to_vec()).chain(rows.iter().map(cells)))

@@ -165,7 +165,7 @@ fn tell_implausible(session: &Session, args: &ScanArgs, found: &FilmScan) {
 /// Lists the outliers on standard error.
 fn tell_outliers(session: &Session, args: &ScanArgs, found: &FilmScan) {
     let mut faults = FaultList::default();
-    for (index, line) in found.outliers.iter().zip(&found.left_out) {
+    for (index, line) in found.outliers.iter().zip(&found.excluded) {
         let DVec3 { x, y, z } = in_ut(found.residuals_t[*index]);
         faults.add(*line, format!("line {line}: excluded as an outlier, residual ({x:.1}, {y:.1}, {z:.1}) uT"));
     }

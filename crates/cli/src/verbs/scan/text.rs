@@ -24,7 +24,7 @@ pub(super) fn scan(film: &Film, scan: &Path, fit: &[FitArg], found: &FilmScan) -
     rows::heading(&mut text, "fitted, with standard deviations", ["x", "y", "z"]);
     fitted(&mut text, fit, &found.fitted, Some(&found.deviation));
     rows::cell(&mut text, "residual of a component, uT", &number(in_ut(found.residual_t)));
-    rows::cell(&mut text, "outliers, excluded", &found.left_out.len().to_string());
+    rows::cell(&mut text, "outliers, excluded", &found.excluded.len().to_string());
     if let Some(uniformity) = &found.uniformity_rmse {
         text.push('\n');
         rows::heading(&mut text, "uniformity RMSE (Eq. 15)", ["R_x", "R_y", "S_z"]);

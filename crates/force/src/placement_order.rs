@@ -13,7 +13,7 @@ use magsplice_pair::Load;
 /// A placement order, with the load on each tile during its placement.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
-pub struct LayingOrder {
+pub struct PlacementOrder {
     tiles: Vec<usize>,
     loads: Vec<Load>,
 }
@@ -45,27 +45,27 @@ pub enum OrderError {
     },
 }
 
-impl LayingOrder {
+impl PlacementOrder {
     /// The order `tiles`: the index of the tile placed at each step.
     ///
     /// # Errors
     /// If a tile is missing or repeated, or an index is not the index of a tile.
-    pub fn new(forces: &FilmForces, tiles: Vec<usize>) -> Result<LayingOrder, OrderError> {
+    pub fn new(forces: &FilmForces, tiles: Vec<usize>) -> Result<PlacementOrder, OrderError> {
         let count = forces.tile_count();
         if tiles.len() != count {
             return Err(OrderError::Count { given: tiles.len(), tiles: count });
         }
-        let mut is_laid = vec![false; count];
+        let mut is_placed = vec![false; count];
         for (step, &tile) in tiles.iter().enumerate() {
-            match is_laid.get_mut(tile) {
+            match is_placed.get_mut(tile) {
                 None => return Err(OrderError::NoTile { step, tile }),
                 Some(true) => return Err(OrderError::Twice { step, tile }),
-                Some(laid) => *laid = true,
+                Some(placed) => *placed = true,
             }
         }
         let load = |(step, tile): (usize, &usize)| forces.by_some(*tile, tiles[..step].iter().copied());
         let loads = tiles.iter().enumerate().map(load).collect();
-        Ok(LayingOrder { tiles, loads })
+        Ok(PlacementOrder { tiles, loads })
     }
 
     /// The tile placed at each step.

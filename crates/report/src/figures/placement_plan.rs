@@ -1,4 +1,5 @@
-//! The plan by which a film is laid: each place from above, with the name of its tile and its mark.
+//! The plan by which a film is placed: each place from above, with the name of its tile and its
+//! mark.
 
 use glam::DVec2;
 use magsplice::prelude::Tile;
@@ -22,10 +23,10 @@ const LEGEND_PX: f64 = 200.0;
 /// Length of an arrow in the legend, in pixels.
 const LEGEND_ARROW_PX: f64 = 36.0;
 
-/// Tiles to lay, tiles to lay that are turned over or stand on another side, and tiles that lie.
-const TO_LAY: RGBColor = RGBColor(247, 243, 232);
+/// Tiles to place, tiles to place that are turned over or stand on another side, and placed tiles.
+const TO_PLACE: RGBColor = RGBColor(247, 243, 232);
 const TURNED_OVER: RGBColor = RGBColor(198, 219, 239);
-const LAID: RGBColor = RGBColor(215, 215, 215);
+const PLACED: RGBColor = RGBColor(215, 215, 215);
 
 /// A tile of a plan.
 struct DrawnTile<'a> {
@@ -37,15 +38,15 @@ struct DrawnTile<'a> {
     mark_rad: f64,
     /// Whether the side with the mark is up.
     is_upright: bool,
-    /// Whether the tile lies already.
-    is_laid: bool,
+    /// Whether the tile is already placed.
+    is_placed: bool,
 }
 
 /// The plan of a film from above.
 ///
 /// # Errors
 /// [`ReportError::Drawing`] if the figure cannot be drawn.
-pub fn laying_plan_figure(assigned: &FilmAssignment, text: SvgText) -> Result<Drawing, ReportError> {
+pub fn placement_plan_figure(assigned: &FilmAssignment, text: SvgText) -> Result<Drawing, ReportError> {
     let caption = "The place of each measured tile, from above. The arrow is the mark on the tile. A hollow arrow is a \
                    mark on another side than the upper.";
     let rows = assigned.plan.iter().zip(&assigned.tiles);
@@ -54,50 +55,50 @@ pub fn laying_plan_figure(assigned: &FilmAssignment, text: SvgText) -> Result<Dr
         tile,
         mark_rad: row.mark_deg.to_radians(),
         is_upright: row.is_upright(),
-        is_laid: row.is_laid,
+        is_placed: row.is_placed,
     });
     let tiles: Vec<DrawnTile> = drawn.collect();
-    let row = |laid: &DrawnTile| {
-        let [x, y, z] = laid.tile.position().to_array();
-        (quoted(laid.name) + ",", [x, y, z, laid.mark_rad.to_degrees(), f64::from(u8::from(laid.is_upright))])
+    let row = |drawn: &DrawnTile| {
+        let [x, y, z] = drawn.tile.position().to_array();
+        (quoted(drawn.name) + ",", [x, y, z, drawn.mark_rad.to_degrees(), f64::from(u8::from(drawn.is_upright))])
     };
     let csv = csv("tile,x_mm,y_mm,z_mm,mark_deg,upright", tiles.iter().map(row));
-    FigureDraft::new("laying-plan", caption, draw(&tiles), csv)?.rendered(text)
+    FigureDraft::new("placement-plan", caption, draw(&tiles), csv)?.rendered(text)
 }
 
 fn draw(tiles: &[DrawnTile]) -> Result<String, DrawError> {
-    let [low, high] = film_bounds(tiles.iter().map(|laid| laid.tile));
+    let [low, high] = film_bounds(tiles.iter().map(|drawn| drawn.tile));
     let margin = MARGIN * (high - low).truncate().max_element();
     let panel = film_panel([low - margin, high + margin]);
     let size = [panel.right() + LEGEND_PX, (panel.bottom() + BELOW_PX + 6.0).max(300.0)];
     sheet(size, |sheet| {
-        let order = upwards(tiles, |laid| top_mm(laid.tile));
-        let on_sheet: Vec<TileOnSheet> = order.iter().map(|laid| on_sheet(&panel, laid)).collect();
+        let order = upwards(tiles, |drawn| top_mm(drawn.tile));
+        let on_sheet: Vec<TileOnSheet> = order.iter().map(|drawn| on_sheet(&panel, drawn)).collect();
         let Annotations { of_tiles, arrow_px } = annotations(&on_sheet, &[]);
         let nameless = of_tiles.iter().filter(|place| place.name.is_none()).count();
-        for ((laid, place), TileOnSheet { outline, .. }) in order.into_iter().zip(&of_tiles).zip(&on_sheet) {
+        for ((drawn, place), TileOnSheet { outline, .. }) in order.into_iter().zip(&of_tiles).zip(&on_sheet) {
             let outline: Vec<[f64; 2]> = outline.iter().map(DVec2::to_array).collect();
-            sheet.shape(&outline, colour(laid), OUTLINE, 0.9)?;
-            mark(sheet, [place.arrow - place.half, place.arrow + place.half], arrow_px, laid.is_upright)?;
-            place.write_name(sheet, laid.name, INK)?;
+            sheet.shape(&outline, colour(drawn), OUTLINE, 0.9)?;
+            mark(sheet, [place.arrow - place.half, place.arrow + place.half], arrow_px, drawn.is_upright)?;
+            place.write_name(sheet, drawn.name, INK)?;
         }
         film_axes(sheet, &panel)?;
         legend(sheet, tiles, panel.right() + 24.0, nameless)
     })
 }
 
-fn on_sheet(panel: &Panel, laid: &DrawnTile) -> TileOnSheet {
-    let outline = outline(panel, laid.tile).into_iter().map(DVec2::from).collect();
-    let (sine, cosine) = laid.mark_rad.sin_cos();
+fn on_sheet(panel: &Panel, drawn: &DrawnTile) -> TileOnSheet {
+    let outline = outline(panel, drawn.tile).into_iter().map(DVec2::from).collect();
+    let (sine, cosine) = drawn.mark_rad.sin_cos();
     // y grows upwards in the film and downwards on the sheet.
     let in_plane = Some(DVec2::new(cosine, -sine));
-    TileOnSheet { outline, in_plane, mark: 0.0, letters: laid.name.chars().count() }
+    TileOnSheet { outline, in_plane, mark: 0.0, letters: drawn.name.chars().count() }
 }
 
-fn colour(laid: &DrawnTile) -> RGBColor {
-    match (laid.is_laid, laid.is_upright) {
-        (true, _) => LAID,
-        (_, true) => TO_LAY,
+fn colour(drawn: &DrawnTile) -> RGBColor {
+    match (drawn.is_placed, drawn.is_upright) {
+        (true, _) => PLACED,
+        (_, true) => TO_PLACE,
         (_, false) => TURNED_OVER,
     }
 }
@@ -114,15 +115,15 @@ fn legend(sheet: &Sheet, tiles: &[DrawnTile], left: f64, nameless: usize) -> Dra
     sheet.text([left, y], &tile_count(tiles.len()), LETTERS)?;
     y += 28.0;
     for (is_upright, text) in [(true, "mark of the tile"), (false, "mark on a lower side")] {
-        if tiles.iter().any(|laid| laid.is_upright == is_upright) {
+        if tiles.iter().any(|drawn| drawn.is_upright == is_upright) {
             let ends = [DVec2::new(left, y), DVec2::new(left + LEGEND_ARROW_PX, y)];
             mark(sheet, ends, LEGEND_ARROW_PX, is_upright)?;
             sheet.text([left + LEGEND_ARROW_PX + 10.0, y], text, LETTERS)?;
             y += 26.0;
         }
     }
-    for (colour_of, text) in [(TO_LAY, "upright"), (TURNED_OVER, "turned over"), (LAID, "already placed")] {
-        if tiles.iter().any(|laid| colour(laid) == colour_of) {
+    for (colour_of, text) in [(TO_PLACE, "upright"), (TURNED_OVER, "turned over"), (PLACED, "already placed")] {
+        if tiles.iter().any(|drawn| colour(drawn) == colour_of) {
             sheet.shape(&rectangle([left, y - 8.0], [left + 24.0, y + 8.0]), colour_of, OUTLINE, 0.9)?;
             sheet.text([left + 34.0, y], text, LETTERS)?;
             y += 26.0;

@@ -1,4 +1,4 @@
-//! Orders of laying from a CSV file.
+//! Placement orders from a CSV file.
 
 use std::collections::HashMap;
 use std::path::Path;
