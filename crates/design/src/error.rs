@@ -54,8 +54,8 @@ pub enum DesignError {
     },
     /// The brief counts the films that are made, and its goal is not the displacement.
     #[error(
-        "under = \"tolerance\" of [design] needs goal = \"displacement\": the films with the smallest errors of other \
-         kinds are those whose parameters change little with the displacement"
+        "under = \"tolerance\" of [design] needs goal = \"displacement\": the smallest errors of other kinds belong to \
+         films whose parameters change little with the displacement"
     )]
     NotDisplacement,
     /// These tiles are rotated, and the brief lets sizes or positions vary or has a symmetry.

@@ -303,14 +303,14 @@ impl Brief {
         }
         if !present.tolerance {
             faults.add(
-                "under = \"tolerance\" needs the table [tolerance], which the layout does not have: it states the errors of \
-                 the films that are made",
+                "under = \"tolerance\" needs the table [tolerance], which the layout does not have: it has the errors of \
+                 real films",
             );
         }
         if self.goal != Goal::Displacement {
             faults.add(format!(
-                "goal = {:?} with under = \"tolerance\", must be \"displacement\": the films with the smallest errors of other \
-                 kinds are those whose parameters change little with the displacement",
+                "goal = {:?} with under = \"tolerance\", must be \"displacement\": the smallest errors of other kinds belong to \
+                 films whose parameters change little with the displacement",
                 format!("{:?}", self.goal).to_lowercase()
             ));
         }
@@ -319,13 +319,13 @@ impl Brief {
     fn check_variables(&self, faults: &mut TableFaults) {
         if self.vary.is_empty() {
             faults
-                .add("vary = [], must name at least one of size, position, cut, thickness, direction, tilt, strength");
+                .add("vary = [], must have at least one of size, position, cut, thickness, direction, tilt, strength");
         }
         let moves_singly = self.varies(Variable::Size) || self.varies(Variable::Position);
         if self.varies(Variable::Cut) && moves_singly {
             faults.add(
-                "vary names cut, which moves all faces on a line together, and size or position, which move faces \
-                 separately, must name only one of the two",
+                "vary has cut, which moves all faces on a line together, and size or position, which move faces \
+                 separately, must have only one of the two",
             );
         }
     }
@@ -356,7 +356,7 @@ impl Brief {
                     faults.add(format!("{key} = {{ min = {min}, max = {max} }}, must be finite with {rule}"));
                 }
                 None if self.varies(variable) => {
-                    faults.add(format!("vary names {name}, so {key} = {{ min = ..., max = ... }} must be given"));
+                    faults.add(format!("vary has {name}, so {key} = {{ min = ..., max = ... }} must be given"));
                 }
                 _ => {}
             }
@@ -367,11 +367,11 @@ impl Brief {
     fn check_parts(&self, faults: &mut TableFaults) {
         if self.parts.is_some() || !self.stock.is_empty() {
             if !(self.varies(Variable::Size) && self.varies(Variable::Position)) {
-                faults.add("parts or stock is given, so vary must name size and position: the search exchanges sizes");
+                faults.add("parts or stock is given, so vary must have size and position: the search exchanges sizes");
             }
             if self.varies(Variable::Tilt) {
                 faults
-                    .add("parts or stock is given, so vary must not name tilt: parts are polarized in the film plane");
+                    .add("parts or stock is given, so vary must not have tilt: parts are polarized in the film plane");
             }
         }
         if self.parts == Some(0) {
@@ -395,7 +395,7 @@ impl Brief {
             check_material(&key, *strength, faults);
         }
         if !self.stock_strengths_t.is_empty() && !self.varies(Variable::Strength) {
-            faults.add("stock_strengths_t is given, so vary must name strength");
+            faults.add("stock_strengths_t is given, so vary must have strength");
         }
     }
 }

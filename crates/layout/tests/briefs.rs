@@ -69,7 +69,7 @@ fn ranges_of_thickness_and_strength_are_given_with_the_variable() {
             let rule = format!("{key} = {{ min = {min}, max = {max} }}, {rule}");
             refused(&given(variable, key, [min, max]), &rule);
         }
-        let rule = format!("vary names {variable}, so {key} = {{ min = ..., max = ... }} must be given");
+        let rule = format!("vary has {variable}, so {key} = {{ min = ..., max = ... }} must be given");
         refused(&format!("vary = [\"{variable}\"]"), &rule);
     }
 }
@@ -87,8 +87,8 @@ fn films_that_are_made_need_errors_and_the_displacement_as_goal() {
     assert!(!layout(VOLUME, "vary = [\"size\"]").expect("a brief").to_toml().contains("under"));
     refused(
         &format!("{under}\ngoal = \"displacement\""),
-        "under = \"tolerance\" needs the table [tolerance], which the layout does not have: it states the errors of the \
-         films that are made",
+        "under = \"tolerance\" needs the table [tolerance], which the layout does not have: it has the errors of real \
+         films",
     );
     for goal in ["uniformity", "field"] {
         let message = layout(&with_errors, &format!("{under}\ngoal = \"{goal}\"")).expect_err("a broken rule");
@@ -102,7 +102,7 @@ fn variables_exclude_each_other() {
     refused("vary = []", "cut, thickness, direction, tilt, strength");
     accepted("vary = [\"cut\", \"direction\"]");
     for other in ["size", "position"] {
-        refused(&format!("vary = [\"cut\", \"{other}\"]"), "must name only one of the two");
+        refused(&format!("vary = [\"cut\", \"{other}\"]"), "must have only one of the two");
     }
 }
 
@@ -132,7 +132,7 @@ fn parts_need_free_sizes_and_stay_in_the_plane() {
         &format!("{free}stock = [{{ size_mm = [1, 2], direction_deg = nan }}]"),
         "stock[0].direction_deg = NaN, must be a finite number",
     );
-    refused(&format!("{free}stock_strengths_t = [1.2]"), "stock_strengths_t is given, so vary must name strength");
+    refused(&format!("{free}stock_strengths_t = [1.2]"), "stock_strengths_t is given, so vary must have strength");
 }
 
 #[test]

@@ -133,11 +133,11 @@ fn impossible_designs_are_refused_and_nothing_is_written() {
     sandbox.write("film.toml", &film("vary = []"));
     sandbox
         .run(&["design", "film.toml", "-o", "better.toml"])
-        .refuses("design: vary = [], must name at least one of size, position, cut");
+        .refuses("design: vary = [], must have at least one of size, position, cut");
     let wrong = "vary = [\"cut\", \"size\", \"strength\"]\ngap_mm = -1.0\nparts = 0\nstarts = 0\nweights = { r_x = 0.0, r_y = 0.0, s_z = 0.0 }";
     sandbox.write("film.toml", &film(wrong));
     let said = sandbox.run(&["design", "film.toml", "-o", "better.toml"]);
-    said.refuses("vary names cut, which moves all faces on a line together, and size or position");
+    said.refuses("vary has cut, which moves all faces on a line together, and size or position");
     // All problems in one message.
     for message in ["gap_mm = -1,", "parts = 0,", "starts = 0,", "weights are all 0", "so strength_t = "] {
         assert!(said.stderr.contains(message), "{message:?} is not in {}", said.stderr);

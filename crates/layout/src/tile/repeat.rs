@@ -99,7 +99,7 @@ pub(crate) fn resolve(
 
 fn check_mirror(mirror: &MirrorTable, faults: &mut TableFaults) {
     if mirror.axes.is_empty() {
-        faults.add("mirror.axes is empty, must name at least one of \"x\", \"y\", \"z\"");
+        faults.add("mirror.axes is empty, must have at least one of \"x\", \"y\", \"z\"");
     }
     check_axes_differ("mirror.axes", &mirror.axes, faults);
     faults.point("mirror.at_mm", mirror.at_mm);

@@ -144,7 +144,7 @@ impl ToleranceTable {
             let mut at = tables.at(place.key("tile").item(index), "tolerance.tile");
             let chosen = selection.of_names("tiles", &entry.tiles, &mut at.faults);
             if entry.tiles.is_empty() {
-                at.faults.add("tiles is empty, must name at least one tile");
+                at.faults.add("tiles is empty, must have at least one tile");
             }
             set(&chosen, entry.errors.read_some(selection.shortest_side(&chosen), &mut at));
         }
@@ -189,7 +189,7 @@ fn longest_side(tiles: &[NamedTile]) -> Option<f64> {
 fn remark(found: &FilmTolerance, present: TablesPresent, faults: &mut Faults) {
     let mut add = |message: String| faults.findings.push(Finding::new(FindingSubject::Tolerance, message));
     if found.tiles.is_empty() && found.groups.is_empty() && found.common == CommonErrors::default() {
-        add("tolerance: states no errors, so that every film is as in the layout: give a preset, such as \"workshop\", \
+        add("tolerance: has no errors, so that every film equals the layout: give a preset, such as \"workshop\", \
              or errors"
             .to_owned());
     }

@@ -59,7 +59,7 @@ fn each_rule_states_value_and_place() {
             with("[[tolerance.tile]]\ntiles = [\"edge*\"]\nstrength = 0"),
             "tiles names \"edge*\", no tile has a name like this",
         ),
-        (with("[[tolerance.tile]]\ntiles = []\nstrength = 0"), "tiles is empty, must name at least one tile"),
+        (with("[[tolerance.tile]]\ntiles = []\nstrength = 0"), "tiles is empty, must have at least one tile"),
         (with("[[tolerance.tile]]\ntiles = [\"bar\"]"), "tolerance.tile: gives no errors"),
         (group("position_mm = 0.1"), "tolerance.group \"g\": has no tiles, must give tiles, kinds, rows_along or each"),
         (group("tiles = []\nposition_mm = 0.1"), "has no tiles, must have at least one"),
@@ -189,8 +189,8 @@ fn findings(tables: &str) -> Vec<String> {
 fn tolerances_without_effect_are_findings() {
     assert_eq!(findings(COMMON), Vec::<String>::new());
     for (tables, finding) in [
-        ("[tolerance]", "tolerance: states no errors"),
-        ("[tolerance]\nsamples = 10", "tolerance: states no errors"),
+        ("[tolerance]", "tolerance: has no errors"),
+        ("[tolerance]\nsamples = 10", "tolerance: has no errors"),
         ("[tolerance]\nstrength = 0.1\n[tolerance.film]", "tolerance.film: all errors are 0"),
         ("[tolerance]\nstrength = 0.1\n[tolerance.sensor]\nnoise_ut = 0", "tolerance.sensor: all errors are 0"),
         ("[tolerance.stray_field]\nfield_ut = [0, 0, 0]\nwhen = \"after\"", "tolerance.stray_field: all errors are 0"),
