@@ -13,13 +13,13 @@ export async function checkControls(page, inVolume) {
     assert.ok(names.includes(name), `${name} is not among ${names}`);
   }
 
-  // The tabulator key reaches each of them, and an outline shows where it is.
+  // The tabulator key reaches each of them, and an outline shows the focus.
   const wanted = await page.evaluate(() =>
     [...document.querySelectorAll("button, select, input, a, canvas, pre")].filter((e) => !e.disabled).length);
   await page.evaluate(() => document.activeElement.blur());
   await page.mouse.move(2, 2);
   const reached = new Set();
-  // Once more, because the focus may pass the page itself.
+  // Once more, because the focus may pass through the page.
   for (let n = 0; n <= wanted; n++) {
     await page.keyboard.press("Tab");
     const [index, outline] = await page.evaluate(() => {

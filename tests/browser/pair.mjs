@@ -19,7 +19,7 @@ try {
     const rows = await page.locator("#numbers tbody tr").evaluateAll((rows) =>
       rows.map((row) => [...row.cells].map((cell) => cell.textContent)));
     assert.ok(rows.length > 20 && rows.every((row) => row.length === 4), `rows: ${rows.length}`);
-    // Each number is on one line, and the table stays one for screen readers.
+    // Each number is on one line, and the table remains a table for screen readers.
     const broken = await page.locator("#numbers td").evaluateAll((cells) => cells.filter((cell) => {
       const range = document.createRange();
       range.selectNodeContents(cell);
@@ -29,10 +29,10 @@ try {
     assert.deepEqual(broken, [], `numbers that are broken or cut off at ${width} px`);
     assert.equal(await page.getByRole("rowheader").count(), rows.length);
     assert.equal(await page.getByRole("columnheader").count(), 4);
-    // How to read the numbers stands below them.
+    // The explanation of the numbers is below them.
     const [table, note] = await Promise.all(["#numbers", "#about-rmse"].map((id) => page.locator(id).boundingBox()));
     assert.ok(note.height > 10 && note.y >= table.y + table.height && note.x + note.width <= width, JSON.stringify(note));
-    // Figures of the same name beside each other, or below each other on a telephone.
+    // Figures of the same name are side by side, or stacked on a telephone.
     const boxes = await page.locator("figure img").evaluateAll(async (images) => {
       await Promise.all(images.map((image) => image.decode()));
       return images.map((image) => [image.closest("figure").id, image.getBoundingClientRect().toJSON()]);

@@ -1,4 +1,4 @@
-// The page on a telephone: a tap leaves its value, a swipe scrolls, nothing is cut off or empty.
+// The page on a telephone: a tap keeps its value, a swipe scrolls, nothing is cut off or empty.
 import assert from "node:assert/strict";
 
 export async function checkPhone(browser, url, width, inVolume) {
@@ -27,7 +27,7 @@ export async function checkPhone(browser, url, width, inVolume) {
     return [style.overflowX, Math.round(text / parseFloat(style.lineHeight)), lines, parseFloat(style.fontSize) >= 10];
   });
   assert.deepEqual(numbers, ["auto", numbers[2], numbers[2], true], "the tables on a telephone");
-  // Each canvas is filled: what it draws reaches most of its height.
+  // Each canvas is filled: its drawing covers most of its height.
   for (const id of inVolume ? ["#view", "#map"] : ["#view"]) {
     const filled = await page.locator(id).evaluate((canvas) => {
       const copy = Object.assign(document.createElement("canvas"), { width: canvas.width, height: canvas.height });
@@ -70,7 +70,7 @@ export async function checkPhone(browser, url, width, inVolume) {
     await page.waitForTimeout(300);
     assert.match(await page.locator("#readout").textContent(), / = \S+ .* at x = /, "a tap leaves its value");
   }
-  // A tap on a tile leaves its name.
+  // A tap on a tile keeps its name.
   await page.locator("[data-turn=above]").tap();
   const [name, [x, y]] = await page.locator("#view").evaluate((canvas) => {
     const tile = JSON.parse(document.getElementById("data").textContent).tiles[0];

@@ -1,6 +1,6 @@
-// Opens the page of `magsplice report` in a headless browser and uses it as a reader does.
+// Opens the page of `magsplice report` in a headless browser and uses it like a reader.
 // Usage: node report.mjs PROGRAM BROWSER LAYOUT FOLDER
-// FOLDER is the folder that the program wrote for LAYOUT.
+// FOLDER is the folder written by the program for LAYOUT.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { createHash } from "node:crypto";
@@ -148,7 +148,7 @@ async function checkMap(page, data, withIdeal, pixels) {
   assert.notEqual(await label(), z, "the slider does not change z");
   assert.notEqual(await pixels("#map"), map, "the slider does not change the map");
 
-  // Values under the cursor against the values that the program prints for the same points.
+  // Values under the cursor against the values printed by the program for the same points.
   const rows = run("field", layout).trim().split("\n").slice(1).map((line) => line.split(",").map(Number));
   const perT = { T: 1, mT: 1e3, "\u00b5T": 1e6, nT: 1e9 };
   const box = await page.locator("#map").boundingBox();

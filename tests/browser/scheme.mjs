@@ -1,4 +1,4 @@
-// The dark scheme: text and drawings contrast with a dark page, and figures lie on white paper.
+// The dark scheme: text and drawings contrast with a dark page, and figures are on white paper.
 import assert from "node:assert/strict";
 
 export async function checkScheme(browser, url, inVolume) {
@@ -17,7 +17,7 @@ export async function checkScheme(browser, url, inVolume) {
     return [["the page", page < 0.05 ? 21 : 0],
       ...texts.map((text) => [text, contrast(getComputedStyle(document.querySelector(text)).color)])];
   });
-  // 4.5 is what the WCAG asks of text.
+  // 4.5 is the minimum contrast of text in WCAG.
   for (const [text, contrast] of contrasts) assert.ok(contrast >= 4.5, `${text} has a contrast of ${contrast}`);
   const corner = (id) => page.locator(id).evaluate((canvas) => {
     const copy = Object.assign(document.createElement("canvas"), { width: canvas.width, height: canvas.height });

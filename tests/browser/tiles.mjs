@@ -60,7 +60,7 @@ async function checkFrame(page) {
   await page.locator("[data-turn=reset]").click();
 }
 
-// Where the view shows the middle of a tile's upper face, from above.
+// The position of the middle of a tile's upper face in the view from above.
 async function above(page, tile) {
   await page.locator("[data-turn=above]").click();
   const view = await page.locator("#view").boundingBox();
@@ -104,7 +104,7 @@ async function checkShares(page, data, run) {
   });
   assert.ok(worst < 1e-10, `the tiles add up to B but for ${worst}`);
 
-  // The share of one tile, against its field as the program computes it.
+  // The share of one tile, against its field by the program.
   const tile = data.tiles[0];
   const map = await page.locator("#map").boundingBox();
   await page.mouse.move(map.x + 0.3 * map.width, map.y + 0.3 * map.height);

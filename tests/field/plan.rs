@@ -95,7 +95,7 @@ fn truncation_error_of_the_tree_is_within_the_planned_bound() {
     assert!(found_t <= truncation_error_t && found_t > 0.0, "{found_t:e} of {truncation_error_t:e}");
 }
 
-/// For every tolerance, no plan costs more than direct summation.
+/// For every tolerance, a plan costs at most as much as direct summation.
 #[test]
 fn plans_never_cost_more_than_direct_summation() {
     let tiles = film(12);

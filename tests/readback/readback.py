@@ -1,6 +1,6 @@
-"""Files of magsplice read back with the tools they are for; `.ci/readback` runs it.
+"""Files of magsplice read back with their target tools; `.ci/readback` runs it.
 
-CSV is the measure: its digits read back to the same numbers, so the others must hold
+CSV is the reference: its digits read back to the same numbers, so other formats must hold
 these numbers bit by bit.
 """
 
@@ -36,8 +36,8 @@ PARAMETERS = ["r_x_rad", "r_y_rad", "s_z"]
 QUANTITIES = {"b_t": B} | {name: [name] for name in PARAMETERS}
 
 # magpylib takes differences of terms as large as J, 0.1 T to 1 T, for fields of 1 mT:
-# at the points of these films it is off by 2.5e-13 of |B| at worst. A tile that is
-# 1e-11 mm wider is seen.
+# at the points of these films its error is at most 2.5e-13 of |B|. A tile that is
+# 1e-11 mm wider is detected.
 MAGPYLIB_IS_OFF_BY = 1e-12
 
 
@@ -103,7 +103,7 @@ class Case(unittest.TestCase):
         np.testing.assert_array_equal(found[~nan].view("i8"), wanted[~nan].view("i8"), what)
 
     def tables(self):
-        """Verb, layout, options, what CSV says, and the shape of the grid."""
+        """Verb, layout, options, the values of the CSV file, and the shape of the grid."""
         for layout, shape in [(PUBLISHED, (9, 9, 5)), (TURNED, (41, 6, 7))]:
             for verb, options in [
                 ("field", []),

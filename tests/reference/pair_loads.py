@@ -2,7 +2,7 @@
 """Writes pair_loads.csv: force and torque on the first of two cuboids, with 30 working digits.
 
 The charges J . n of the faces of the first cuboid are integrated in the field of the second, whose
-closed form (arctangents and logarithms of its corners) is that of any text book. Faces are divided at
+closed form (arctangents and logarithms of its corners) is in any textbook. Faces are divided at
 the projected edges of the second cuboid, where the field has its logarithms. Parts that do not touch it
 are integrated by Gauss-Legendre rules, the others by tanh-sinh rules. No sum over 64 corners occurs.
 
@@ -143,7 +143,7 @@ def main():
             inputs = [v for tile in (first, second) for vector in tile for v in vector]
             printed = [mp.nstr(v, 17) for v in inputs]
             if tag not in rules:
-                # Apart along each axis along which they touch.
+                # A gap along each axis of contact.
                 for k in range(3):
                     apart = second[2][k] - first[2][k]
                     if abs(apart) == (first[0][k] + second[0][k]) / 2:

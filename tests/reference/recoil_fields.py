@@ -68,7 +68,7 @@ def flux_densities_t(cells, susceptibility, points, interaction):
 
 
 def both(cells, susceptibility, points):
-    """B by the averaged interaction, and how far the one at centres is from it."""
+    """B by the averaged interaction, and its difference from B by the interaction at centres."""
     averaged, matched = (flux_densities_t(cells, susceptibility, points, rule) for rule in ("newell", "point"))
     largest = numpy.linalg.norm(averaged, axis=1).max()
     return averaged, numpy.linalg.norm(matched - averaged, axis=1).max() / largest

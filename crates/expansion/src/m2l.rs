@@ -1,8 +1,8 @@
 //! The M2L operator: translates multipole expansions of distant nodes to one local expansion around
 //! a batch of points (docs/physics.md, section 5.2).
 //!
-//! Each translation rotates the moments until the new centre lies on the z axis, translates along
-//! z, and rotates back. A vector holds one node in each lane.
+//! Each translation rotates the moments until the new centre is on the z axis, translates along z,
+//! and rotates back. A vector holds one node in each lane.
 
 use std::any::Any;
 use std::cell::RefCell;

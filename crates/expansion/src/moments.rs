@@ -16,7 +16,7 @@ use crate::triangle::{DerivativeVector, HarmonicTriangle, row_start, triangle_in
 
 /// Parity of a potential in z, relative to the centre of its expansion.
 ///
-/// The potential of a flat film is even if J lies in its plane, and odd if J is normal to it.
+/// The potential of a flat film is even if J is in its plane, and odd if J is normal to it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Parity {
     /// Neither even nor odd.

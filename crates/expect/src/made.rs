@@ -90,8 +90,8 @@ mod tests {
         Figures { displacement_rmse_mm: PerAxis { x, y: 0.0, z: 0.0 }, amplitude: x, ..Figures::default() }
     }
 
-    /// Of 100 films, 5 are beyond the 95th percentile on average, and 10 or more with a probability
-    /// of 0.028; 9 or more with 0.063. The tenth largest value is therefore the limit.
+    /// On average 5 of 100 films are beyond the 95th percentile. 10 or more are beyond it with a
+    /// probability of 0.028, 9 or more with 0.063. The tenth largest value is therefore the limit.
     #[test]
     fn a_bound_fails_only_if_samples_exclude_it() {
         let errors: Vec<Figures> = (1..=100).map(|n| with_displacement(f64::from(n))).collect();

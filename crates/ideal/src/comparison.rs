@@ -4,8 +4,8 @@ use std::fmt;
 
 use glam::DVec3;
 
-/// Smallest spread of values that differ, as a fraction of their mean. The rounding of the mean
-/// makes equal values appear to have a spread below it.
+/// Smallest spread of values that differ, as a fraction of their mean. Rounding of the mean gives
+/// equal values a spread below it.
 const ROUNDED_SPREAD: f64 = 1e-14;
 
 /// The difference of a field from a reference on the same points.
@@ -50,7 +50,7 @@ pub struct Comparison {
     pub correlation: [Option<f64>; 3],
 }
 
-/// Why two fields cannot be compared.
+/// The reason why two fields cannot be compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ComparisonError {

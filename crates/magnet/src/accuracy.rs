@@ -113,7 +113,7 @@ impl Tolerance {
         }
     }
 
-    /// Whether a value of B that is off by at most `error_t` certainly keeps the tolerance.
+    /// Whether a value of B with an error of at most `error_t` certainly keeps the tolerance.
     pub fn is_kept(&self, value_t: DVec3, error_t: f64) -> bool {
         match *self {
             Tolerance::Relative { fraction } => error_t <= fraction * (value_t.length() - error_t),

@@ -1,4 +1,4 @@
-//! Magnets and the points at which their field is wanted.
+//! Magnets and the points of their field.
 //!
 //! * [`Tile`]: a uniformly magnetized cuboid with position, size, polarization and rotation.
 //! * [`TileError`], [`PerTileError`]: the twelve errors with which a tile is made.

@@ -36,7 +36,8 @@ pub const ROTATED_SEAM_ROUNDINGS: f64 = 32.0;
 
 /// Largest difference of the components of two directions that count as equal.
 ///
-/// A quaternion built from an axis and an angle in degrees is off by about four units of round-off.
+/// A quaternion built from an axis and an angle in degrees has an error of about four units of
+/// round-off.
 pub const SAME_ROTATION: f64 = 16.0 * f64::EPSILON;
 
 /// Sine of the angle of two edges below which they count as parallel, because their cross product

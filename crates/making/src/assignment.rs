@@ -101,7 +101,7 @@ pub enum AssignmentError {
         /// Index of the place.
         place: usize,
     },
-    /// A tile cannot exist.
+    /// A tile is invalid.
     #[error("tile {name}: {faults}")]
     Tile {
         /// The name.
@@ -109,7 +109,7 @@ pub enum AssignmentError {
         /// The rules that it breaks.
         faults: TileFaults,
     },
-    /// The film has no displacement errors, or a tile of a sample cannot exist.
+    /// The film has no displacement errors, or a tile of a sample is invalid.
     #[error("{0}")]
     Film(#[source] SampleError),
     /// There are too many combinations of tiles and places.

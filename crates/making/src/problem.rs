@@ -123,7 +123,7 @@ impl<'a> AssignmentProblem<'a> {
     /// factors.
     ///
     /// # Errors
-    /// Tiles that cannot exist.
+    /// If a tile is invalid.
     ///
     /// # Panics
     /// If the number of factors differs from the number of shim tiles.

@@ -114,9 +114,7 @@ fn main() {
         "jig" => Preset::Jig.errors(),
         other => panic!("{other} is neither workshop nor jig"),
     });
-    println!(
-        "{path}: of {films} films: exactly the three faulty tiles / all three and others / fault-free films detected"
-    );
+    println!("{path}: of {films} films: exactly the three faulty tiles / all three and others / false alarms");
     for height_mm in HEIGHTS_MM {
         for noise_t in NOISES_T {
             let start = Instant::now();

@@ -66,13 +66,13 @@ impl Findings {
             if is_above(error_t, box_.error_t())
                 && is_above(error_t, box_.error_t() + exact_error_t(&attack.tiles, point))
             {
-                self.violations.push(format!("{} times the stated error at {point}", error_t / box_.error_t()));
+                self.violations.push(format!("{} times the error bound at {point}", error_t / box_.error_t()));
             }
             if error_t > worst_t {
                 (worst, worst_t) = (Some(index), error_t);
             }
             if is_named[index] == looked_up[index].is_finite() {
-                self.violations.push(format!("{} at {point}, named: {}", looked_up[index], is_named[index]));
+                self.violations.push(format!("{} at {point}, reported: {}", looked_up[index], is_named[index]));
             }
             let (off_t, allowed_t) =
                 ((looked_up[index] - exact[index]).length(), attack.allowed_t(exact[index].length()));
@@ -89,7 +89,7 @@ impl Findings {
             let error_t = (found - exact).length() - rounding_t;
             self.checked += 1;
             if is_above(error_t, box_.error_t()) {
-                self.violations.push(format!("{} times the stated error by the oracle", error_t / box_.error_t()));
+                self.violations.push(format!("{} times the error bound by the oracle", error_t / box_.error_t()));
             }
             self.worst = self.worst.max(error_t / box_.error_t());
         }

@@ -66,7 +66,7 @@ impl Findings {
         for (index, (&found, &exact)) in found.iter().zip(exact).enumerate() {
             let point = points[index];
             if is_named[index] == found.is_finite() {
-                self.violations.push(format!("{model}: {found} at {point}, named: {}", is_named[index]));
+                self.violations.push(format!("{model}: {found} at {point}, reported: {}", is_named[index]));
             }
             if is_named[index] {
                 continue;
@@ -103,7 +103,7 @@ impl Findings {
                 let error_t = (*found - *exact).length();
                 // A refused point is NaN, which exceeds no bound.
                 if is_inside && error_t > *stated_t && error_t > stated_t + exact_error_t(&attack.tiles, point) {
-                    self.violations.push(format!("plan: {} times the stated error at {point}", error_t / stated_t));
+                    self.violations.push(format!("plan: {} times the error bound at {point}", error_t / stated_t));
                 }
                 if is_inside {
                     self.worst_planned = self.worst_planned.max(error_t / stated_t);

@@ -2,9 +2,9 @@
 
 Usage: magpylib_scene.py TILES.csv POINTS.csv
 TILES.csv holds size, polarization, position and rotation (quaternion x, y, z, w) of each tile,
-POINTS.csv the points, in metres and tesla. Prints the seconds of each run on a line of its own.
+POINTS.csv the points, in metres and tesla. Prints the seconds of each run on a separate line.
 After a line `field` on standard input it prints B of the last run, three lines for each point.
-The tiles are summed in a loop over the core function, which is the fastest way with magpylib.
+The tiles are summed in a loop over the core function, the fastest way with magpylib.
 """
 
 import sys

@@ -78,7 +78,7 @@ fn head(magpylib: Option<&str>) -> String {
              magpylib {version} (`getB`), called by\n`tools/pages/src/accuracy/magpylib_fields.py`."
         ),
         None => "The peer is magba 0.7.3 (`cuboid_B`), a dependency of benchmarks\nand pages alone; magpylib \
-                 was left out."
+                 was omitted."
             .to_owned(),
     };
     format!(

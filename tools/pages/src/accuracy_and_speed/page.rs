@@ -45,7 +45,7 @@ fn how(page: &mut String, scenes: &[MeasuredScene], magpylib: Option<&str>, effo
         Some(version) => {
             format!("magpylib {version} is called by its core function in a loop over tiles, its fastest way.")
         }
-        None => "magpylib was left out.".to_owned(),
+        None => "magpylib was omitted.".to_owned(),
     };
     let [nx, ny, nz] = effort.sizes.grid;
     let _ = write!(

@@ -83,7 +83,7 @@ fn head(magpylib: Option<&str>, effort: SpeedEffort) -> String {
         Some(version) => {
             format!("magpylib {version} is called by its core function for one tile after the other, its fastest way.")
         }
-        None => "magpylib was left out.".to_owned(),
+        None => "magpylib was omitted.".to_owned(),
     };
     let SpeedEffort { runs, peer_pairs, .. } = effort;
     format!(
