@@ -86,7 +86,7 @@ fn halved_errors_save_what_is_stated() {
         }
     };
     let half = |errors: &[Distribution; 3]| errors.each_ref().map(|error| error.scaled(0.5));
-    let causes: Vec<Cause> = budget.causes.iter().take(3).map(|of| of.cause).collect();
+    let causes: Vec<Cause> = budget.causes.iter().take(3).map(|cause| cause.of).collect();
     assert_eq!(causes, [Cause::Direction, Cause::StrayField, Cause::Size]);
     let mut halved = [whole.clone(), whole.clone(), whole.clone()];
     for tile in &mut halved[0].tiles {
@@ -101,7 +101,7 @@ fn halved_errors_save_what_is_stated() {
         agrees(halved, of.saved_mm2);
     }
     // The four tiles around the axis have equal savings; the first tiles are reported.
-    let tiles: Vec<usize> = budget.tiles.iter().take(4).map(|of| of.tile).collect();
+    let tiles: Vec<usize> = budget.tiles.iter().take(4).map(|tile| tile.of).collect();
     assert_eq!(tiles, [20, 22, 33, 35]);
     let mut halved = whole.clone();
     halved.tiles[20] = whole.tiles[20].each_ref().map(|error| error.scaled(0.5));

@@ -47,9 +47,9 @@ pub struct Budget {
     /// The budgets along x, y, z.
     pub axes: [AxisBudget; 3],
     /// All tiles whose errors are worth halving, those that save most first.
-    pub tiles: Vec<TileImprovement>,
+    pub tiles: Vec<Halving<usize>>,
     /// All causes that are worth halving, those that save most first.
-    pub causes: Vec<CauseImprovement>,
+    pub causes: Vec<Halving<Cause>>,
 }
 
 /// The budget of the displacement errors along one axis, as mean squares in mm^2.
@@ -82,21 +82,12 @@ impl AxisBudget {
     }
 }
 
-/// What is saved if all errors of one tile are halved.
+/// The effect of halving all errors of one tile, by its index, or of one cause in all its tiles.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct TileImprovement {
-    /// Index of the tile.
-    pub tile: usize,
-    /// By how much the totals along x, y, z fall.
-    pub saved_mm2: [f64; 3],
-}
-
-/// What is saved if one cause is halved, for all tiles where it is theirs.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct CauseImprovement {
-    /// The cause.
-    pub cause: Cause,
-    /// By how much the totals along x, y, z fall.
+pub struct Halving<T> {
+    /// The tile or the cause.
+    pub of: T,
+    /// Decrease of the totals along x, y, z.
     pub saved_mm2: [f64; 3],
 }
 
@@ -106,28 +97,24 @@ impl Budget {
     pub fn new(model: &FirstOrder, pattern: Option<&Figures>) -> Budget {
         let errors = [0, 1, 2].map(|axis| model.axis_errors(axis));
         let saved_mm2 = |tile: usize| errors.each_ref().map(|axis| axis.tiles[tile].saved_by_halving_mm2);
-        let tiles = (0..errors[0].tiles.len()).map(|tile| TileImprovement { tile, saved_mm2: saved_mm2(tile) });
-        let tiles = most_saving(tiles.collect(), |tile| tile.saved_mm2);
-        let axis_budget = |AxisErrors { nominal_mm2, expected_mm2, shares, .. }| (nominal_mm2, shares, expected_mm2);
+        let tiles = most_saving((0..errors[0].tiles.len()).map(|of| Halving { of, saved_mm2: saved_mm2(of) }));
+        let axis_budget = |AxisErrors { nominal_mm2, expected_mm2, shares, .. }| {
+            AxisBudget { nominal_mm2, pattern_mm2: None, causes: shares, total_mm2: expected_mm2 }
+        };
         Budget { tiles, ..Budget::of_axes(errors.map(axis_budget), pattern) }
     }
 
-    /// A budget without tiles, from the nominal mean square, the shares and the total along each
-    /// axis.
-    fn of_axes(axes: [(f64, Vec<Share>, f64); 3], pattern: Option<&Figures>) -> Budget {
-        let patterns_mm2 = pattern.map(|pattern| pattern.displacement_rmse_mm.to_array().map(|rmse| rmse.powi(2)));
-        let mut axis = 0..3;
-        let axes = axes.map(|(nominal_mm2, causes, total_mm2)| {
-            let pattern_mm2 = patterns_mm2.zip(axis.next()).map(|(patterns_mm2, axis)| patterns_mm2[axis]);
-            AxisBudget { nominal_mm2, pattern_mm2, causes, total_mm2 }
-        });
+    /// A budget without tiles, from the budgets along each axis without the pattern.
+    fn of_axes(mut axes: [AxisBudget; 3], pattern: Option<&Figures>) -> Budget {
+        let patterns_mm = pattern.map(|pattern| pattern.displacement_rmse_mm.to_array());
+        for (axis, rmse_mm) in axes.iter_mut().zip(patterns_mm.into_iter().flatten()) {
+            axis.pattern_mm2 = Some(rmse_mm.powi(2));
+        }
         // The causes are the same along each axis.
         let saved_mm2 =
             |number: usize| axes.each_ref().map(|axis| axis.causes[number].contribution.saved_by_halving_mm2);
         let causes = axes[0].causes.iter().enumerate();
-        let causes =
-            causes.map(|(number, share)| CauseImprovement { cause: share.cause, saved_mm2: saved_mm2(number) });
-        let causes = most_saving(causes.collect(), |cause| cause.saved_mm2);
+        let causes = most_saving(causes.map(|(number, share)| Halving { of: share.cause, saved_mm2: saved_mm2(number) }));
         Budget { axes, tiles: Vec::new(), causes }
     }
 
@@ -159,14 +146,17 @@ impl Budget {
         };
         let nominal = mean_squares(&FilmTolerance::default(), first..first + 1)?;
         let total = mean_squares(film.tolerance(), samples.clone())?;
-        let mut axes = [0, 1, 2].map(|axis| (nominal[axis], Vec::new(), total[axis]));
+        let mut axes = [0, 1, 2].map(|axis| {
+            let [nominal_mm2, total_mm2] = [nominal[axis], total[axis]];
+            AxisBudget { nominal_mm2, pattern_mm2: None, causes: Vec::new(), total_mm2 }
+        });
         for (cause, alone) in each_alone(film.tolerance()) {
             let with = mean_squares(&alone, samples.clone())?;
-            for ((nominal_mm2, shares, _), with_mm2) in axes.iter_mut().zip(with) {
-                let variance_mm2 = with_mm2 - *nominal_mm2;
+            for (axis, with_mm2) in axes.iter_mut().zip(with) {
+                let variance_mm2 = with_mm2 - axis.nominal_mm2;
                 let saved_by_halving_mm2 = SAVED_OF_A_SQUARE * variance_mm2;
                 let contribution = Contribution { fixed_mm2: 0.0, variance_mm2, saved_by_halving_mm2 };
-                shares.push(Share { cause, contribution });
+                axis.causes.push(Share { cause, contribution });
             }
         }
         Ok(Budget::of_axes(axes, pattern))
@@ -176,12 +166,12 @@ impl Budget {
 /// The part of a square that halving saves.
 const SAVED_OF_A_SQUARE: f64 = 0.75;
 
-/// Those that save anything, by the sum over the axes. Of those that save the same, as tiles of a
-/// symmetric film do, the first remain first.
-fn most_saving<T>(mut all: Vec<T>, saved_mm2: impl Fn(&T) -> [f64; 3]) -> Vec<T> {
+/// Tiles or causes that save anything, ordered by the sum over the axes. Equal ones, such as tiles
+/// of a symmetric film, keep their order.
+fn most_saving<T>(all: impl Iterator<Item = Halving<T>>) -> Vec<Halving<T>> {
     // In single precision, so that sums that differ by rounding are equal.
-    let sum = |item: &T| saved_mm2(item).iter().sum::<f64>() as f32;
-    all.retain(|item| sum(item) > 0.0);
-    all.sort_by(|a, b| sum(b).total_cmp(&sum(a)));
-    all
+    let sum = |halving: &Halving<T>| halving.saved_mm2.iter().sum::<f64>() as f32;
+    let mut saving: Vec<Halving<T>> = all.filter(|halving| sum(halving) > 0.0).collect();
+    saving.sort_by(|a, b| sum(b).total_cmp(&sum(a)));
+    saving
 }

@@ -47,7 +47,7 @@ mod statistics;
 /// What recoil makes of the tiles of a film.
 mod weakening;
 
-pub use budget::{AxisBudget, Budget, CauseImprovement, TileImprovement};
+pub use budget::{AxisBudget, Budget, Halving};
 pub use endless::{EndlessPattern, EndlessPatternError};
 pub use evaluation_grid::{EvaluationGrid, SampleError};
 pub use first_order::{

@@ -55,8 +55,7 @@ pub(crate) struct Surroundings {
     offset_t: DVec3,
 }
 
-/// Numbers of the common causes in the random stream. Each has as many errors as the next one is
-/// away.
+/// First index of each common cause in the random stream.
 const FILM_POSITION: usize = 0;
 const FILM_ROTATION: usize = 3;
 const STRAY_FIELD: usize = 6;
@@ -93,7 +92,7 @@ impl Surroundings {
         }
     }
 
-    /// Number of the errors that [`Surroundings::values`] gives.
+    /// Number of errors in [`Surroundings::values`].
     pub(crate) const ERRORS: usize = 19;
 
     /// The values of the errors: three each of position and rotation of the film, three of the
@@ -110,11 +109,6 @@ impl Surroundings {
             values[10 + 3 * number..][..3].copy_from_slice(&vector.to_array());
         }
         values
-    }
-
-    /// Where a point of the sensor lies in the frame of the film.
-    pub(crate) fn in_film(&self, point: DVec3) -> DVec3 {
-        self.pose.undo(point)
     }
 
     /// What the sensor reads, in tesla, without noise. `film_t` is the field of the film in its own

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use glam::{DQuat, DVec3};
-use magsplice_layout::{Distribution, ErrorGroup, FilmTolerance};
+use magsplice_layout::{ErrorGroup, FilmTolerance};
 use magsplice_magnet::{BoundingBox, PerTileError, Tile, TileFaults};
 
 use crate::draws::Draws;
@@ -160,15 +160,11 @@ impl RealFilm {
     /// If there is not one tile for each place.
     pub fn placed_tiles(&self, cut: &[Tile], seed: u64, sample: u64) -> Result<Vec<Tile>, TileFaults> {
         assert_eq!(cut.len(), self.tiles.len(), "one tile for each place");
-        let mut draws = Draws::new(seed, sample);
-        let mut tiles = cut.to_vec();
-        for (index, (tile, errors)) in tiles.iter_mut().zip(&self.tolerance.tiles).enumerate() {
-            let drawn = draws.of_tile(index, errors);
-            let placed = PerTileError { size: [0.0; 3], strength: 0.0, direction: [0.0; 2], ..drawn };
-            *tile = with_errors(tile, &placed, tile.position())?;
+        let [mut of_tiles, of_groups] = self.draw_errors(&mut Draws::new(seed, sample));
+        for errors in &mut of_tiles {
+            *errors = PerTileError { size: [0.0; 3], strength: 0.0, direction: [0.0; 2], ..*errors };
         }
-        self.draw_groups(&mut draws, &mut tiles)?;
-        Ok(tiles)
+        self.add_errors(cut, &of_tiles, &of_groups)
     }
 
     /// The tiles with given errors of each tile and of each group, in millimetres, radians, or as
@@ -186,7 +182,17 @@ impl RealFilm {
     ) -> Result<Vec<Tile>, TileFaults> {
         assert_eq!(of_tiles.len(), self.tiles.len(), "errors of each tile");
         assert_eq!(of_groups.len(), self.tolerance.groups.len(), "errors of each group");
-        let mut tiles = self.tiles.clone();
+        self.add_errors(&self.tiles, of_tiles, of_groups)
+    }
+
+    /// These tiles, one for each place, with errors of each tile and of each group.
+    fn add_errors(
+        &self,
+        tiles: &[Tile],
+        of_tiles: &[PerTileError<f64>],
+        of_groups: &[PerTileError<f64>],
+    ) -> Result<Vec<Tile>, TileFaults> {
+        let mut tiles = tiles.to_vec();
         for (tile, errors) in tiles.iter_mut().zip(of_tiles) {
             if *errors != PerTileError::default() {
                 *tile = with_errors(tile, errors, tile.position())?;
@@ -210,27 +216,17 @@ impl RealFilm {
     }
 
     pub(crate) fn draw_tiles(&self, draws: &mut Draws) -> Result<Vec<Tile>, TileFaults> {
-        let mut tiles = self.tiles.clone();
-        for (index, (tile, errors)) in tiles.iter_mut().zip(&self.tolerance.tiles).enumerate() {
-            if !errors.values().all(Distribution::is_none) {
-                let drawn = draws.of_tile(index, errors);
-                *tile = with_errors(tile, &drawn, tile.position())?;
-            }
-        }
-        self.draw_groups(draws, &mut tiles)?;
-        Ok(tiles)
+        let [of_tiles, of_groups] = self.draw_errors(draws);
+        self.tiles_with_errors(&of_tiles, &of_groups)
     }
 
-    /// Adds the errors of groups.
-    fn draw_groups(&self, draws: &mut Draws, tiles: &mut [Tile]) -> Result<(), TileFaults> {
-        for (number, group) in self.tolerance.groups.iter().enumerate() {
-            let drawn = draws.of_group(number, &group.errors);
-            let centre = self.group_centre_mm(group);
-            for &tile in &group.tiles {
-                tiles[tile] = with_errors(&tiles[tile], &drawn, centre)?;
-            }
-        }
-        Ok(())
+    /// The errors of each tile and of each group in a sample.
+    pub(crate) fn draw_errors(&self, draws: &mut Draws) -> [Vec<PerTileError<f64>>; 2] {
+        let FilmTolerance { tiles, groups, .. } = &self.tolerance;
+        let of_tile = |tile| tiles.get(tile).map(|errors| draws.of_tile(tile, errors)).unwrap_or_default();
+        let of_tiles = (0..self.tiles.len()).map(of_tile).collect();
+        let of_group = |(number, group): (usize, &ErrorGroup)| draws.of_group(number, &group.errors);
+        [of_tiles, groups.iter().enumerate().map(of_group).collect()]
     }
 
     /// The pose of the film and what else the sensor reads in a sample.

@@ -90,7 +90,7 @@ impl<'a> Sampler<'a> {
     /// The readings at the points of the grid, then at the reference point.
     fn readings_of_tiles_t(&self, draws: &mut Draws, tiles: &[Tile]) -> Result<Vec<DVec3>, SampleError> {
         let surroundings = self.film.draw_surroundings(draws);
-        let in_film: Vec<DVec3> = self.points.iter().map(|point| surroundings.in_film(*point)).collect();
+        let in_film: Vec<DVec3> = self.points.iter().map(|point| surroundings.pose.undo(*point)).collect();
         let in_place = self.film.in_film(tiles).map_err(SampleError::Tile)?;
         let mut read_t = exact_field_t(&Scene::new(&in_place), &in_film)?;
         // The remainder is small, and moves by less than it varies.

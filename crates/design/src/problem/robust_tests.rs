@@ -147,7 +147,7 @@ fn curvature_is_the_product_of_the_derivatives_of_sensitivities() {
         let tiles = pattern.all_tiles(variables).unwrap();
         let film = RealFilm::new(&tiles, layout.tolerance.as_ref().unwrap());
         let model = FirstOrder::new(&film, &volume, layout.ideal.as_ref().unwrap()).unwrap();
-        let per_point = 1.0 / (model.points() as f64).sqrt();
+        let per_point = 1.0 / (volume.grid.len() as f64).sqrt();
         let of_axis = |axis: usize| -> Vec<f64> {
             let weight = least_squares.objective.weights[axis] * per_point;
             model.sensitivities_mm(axis).flat_map(|(_, column)| column).map(|value| weight * value).collect()

@@ -112,12 +112,12 @@ impl Film {
             worth_halving: budget
                 .causes
                 .iter()
-                .map(|item| improvement(cause(layout, item.cause), item.saved_mm2))
+                .map(|item| improvement(cause(layout, item.of), item.saved_mm2))
                 .collect(),
             tiles_worth_halving: budget
                 .tiles
                 .iter()
-                .map(|item| improvement(layout.tiles[item.tile].name.clone(), item.saved_mm2))
+                .map(|item| improvement(layout.tiles[item.of].name.clone(), item.saved_mm2))
                 .collect(),
             compensated_pattern_mm2,
         })

@@ -147,23 +147,6 @@ impl EndlessPattern {
         Ok(points.par_iter().map(at_point).collect())
     }
 
-    /// The coefficient of e^(ik(mx + ny)) in the Fourier series of B at the height z: its real and
-    /// its imaginary part, in tesla. That of the ideal film with m = 1 and n = 0 is K e^(kz) / 2
-    /// times (i, 0, 1). All vanish for m = n = 0.
-    pub fn harmonic_t(&self, m: i32, n: i32, z_mm: f64) -> [DVec3; 2] {
-        if m == 0 && n == 0 {
-            return [DVec3::ZERO; 2];
-        }
-        let q = self.ideal.wavenumber() * DVec2::new(f64::from(m), f64::from(n));
-        let decay = (q.length() * (z_mm - self.lowest)).exp();
-        let [real, imaginary] = self.potential(m, n).map(|part| decay * part);
-        // B = -(i q_x, i q_y, |q|) times the potential.
-        [
-            DVec3::new(q.x * imaginary, q.y * imaginary, -q.length() * real),
-            DVec3::new(-q.x * real, -q.y * real, -q.length() * imaginary),
-        ]
-    }
-
     /// An upper bound, in tesla, of the sum of all harmonics with m or n beyond `most` in
     /// magnitude, at this height below the lowest face (docs/physics.md, Eq. P61).
     pub fn truncation_bound_t(&self, most: usize, height_mm: f64) -> f64 {

@@ -1,5 +1,7 @@
 //! Mean squares of the displacement errors along one axis, divided into causes and tiles.
 
+use std::collections::BTreeMap;
+
 use super::model::{FirstOrder, Sensitivity};
 use super::sources::{Cause, ErrorSource};
 use crate::low_rank::{add, dot};
@@ -15,8 +17,6 @@ pub struct AxisErrors {
     /// Its part by errors that vary: the variance of the displacement error, averaged over the
     /// points.
     pub variance_mm2: f64,
-    /// Standard deviation of the mean square from film to film, as if all errors were normal.
-    pub deviation_mm2: f64,
     /// The contribution of each cause that has errors.
     pub shares: Vec<Share>,
     /// The contribution of the errors of each tile, without those of groups.
@@ -55,7 +55,6 @@ impl Contribution {
 /// Sums over the errors of one cause or tile.
 #[derive(Clone, Default)]
 struct Sums {
-    has_errors: bool,
     variance: f64,
     shift: Vec<f64>,
 }
@@ -89,39 +88,29 @@ impl FirstOrder {
     /// If the axis is not 0, 1 or 2.
     pub fn axis_errors(&self, axis: usize) -> AxisErrors {
         let (nominal, mean) = (self.along(&self.nominal_mm, axis), self.along(&self.mean_mm, axis));
-        let noise = self.along(&self.noise_mm2, axis);
-        let mut causes: Vec<(Cause, Sums)> = Vec::new();
+        let mut causes: BTreeMap<Cause, Sums> = BTreeMap::new();
         let mut tiles = vec![Sums::default(); self.film.tiles().len()];
-        let of_cause = |causes: &mut Vec<(Cause, Sums)>, cause| {
-            causes.iter().position(|(known, _)| *known == cause).unwrap_or_else(|| {
-                causes.push((cause, Sums::default()));
-                causes.len() - 1
-            })
-        };
         for Sensitivity { term, column } in &self.sensitivities {
             let (term, column) = (&self.terms[*term], self.along(column, axis));
             let variance = term.deviation * term.deviation * dot(column, column);
-            let index = of_cause(&mut causes, term.source.cause());
             let tile = match term.source {
                 ErrorSource::Tile { tile, .. } => Some(&mut tiles[tile]),
                 _ => None,
             };
-            for sums in [Some(&mut causes[index].1), tile].into_iter().flatten() {
-                sums.has_errors = true;
+            let cause = causes.entry(term.source.cause()).or_default();
+            for sums in [Some(cause), tile].into_iter().flatten() {
                 sums.variance += variance;
                 sums.shift_by(term.mean, column);
             }
         }
         if let Some(changes_mm) = &self.by_neighbour_mm {
-            let index = of_cause(&mut causes, Cause::Neighbour);
-            causes[index].1.shift_by(1.0, self.along(changes_mm, axis));
+            causes.entry(Cause::Neighbour).or_default().shift_by(1.0, self.along(changes_mm, axis));
         }
         if self.has_noise() {
-            let index = of_cause(&mut causes, Cause::SensorNoise);
-            causes[index].1.variance += noise.iter().sum::<f64>();
-            causes[index].1.shift_by(1.0, self.along(&self.noise_shift_mm, axis));
+            let sums = causes.entry(Cause::SensorNoise).or_default();
+            sums.variance += self.along(&self.noise_mm2, axis).iter().sum::<f64>();
+            sums.shift_by(1.0, self.along(&self.noise_shift_mm, axis));
         }
-        causes.sort_by_key(|(cause, _)| *cause);
         let shares: Vec<Share> = causes
             .iter()
             .map(|(cause, sums)| Share { cause: *cause, contribution: sums.contribution(nominal, mean) })
@@ -132,43 +121,8 @@ impl FirstOrder {
             nominal_mm2: dot(nominal, nominal) / count,
             expected_mm2: dot(mean, mean) / count + variance_mm2,
             variance_mm2,
-            deviation_mm2: self.deviation_mm2(axis),
             shares,
             tiles: tiles.iter().map(|sums| sums.contribution(nominal, mean)).collect(),
         }
-    }
-
-    /// Standard deviation of the mean square: for normal errors of covariance C and mean m over N
-    /// points its square is (2 tr C^2 + 4 m C m) / N^2. C is that of the low-rank sensitivities and
-    /// of the noise of each reading, which is diagonal.
-    fn deviation_mm2(&self, axis: usize) -> f64 {
-        let (mean, noise) = (self.along(&self.mean_mm, axis), self.along(&self.noise_mm2, axis));
-        let rank = self.varying.rank();
-        let basis: Vec<&[f64]> = self.varying.basis.iter().map(|column| self.along(column, axis)).collect();
-        // C = basis * inner * basis^T.
-        let mut inner = vec![vec![0.0; rank]; rank];
-        for coordinates in &self.varying.coordinates {
-            for (row, factor) in inner.iter_mut().zip(coordinates) {
-                add(row, *factor, coordinates);
-            }
-        }
-        let gram: Vec<Vec<f64>> = basis.iter().map(|a| basis.iter().map(|b| dot(a, b)).collect::<Vec<f64>>()).collect();
-        // Both are symmetric, so that columns are rows.
-        let product = |a: &[Vec<f64>], b: &[Vec<f64>]| -> Vec<Vec<f64>> {
-            a.iter().map(|row| b.iter().map(|column| dot(row, column)).collect()).collect()
-        };
-        let (straight, transposed) = (product(&inner, &gram), product(&gram, &inner));
-        let mut trace: f64 = straight.iter().zip(&transposed).map(|(a, b)| dot(a, b)).sum();
-        let along_mean: Vec<f64> = basis.iter().map(|column| dot(column, mean)).collect();
-        let mut with_mean: f64 = inner.iter().zip(&along_mean).map(|(row, along)| along * dot(row, &along_mean)).sum();
-        if self.has_noise() {
-            for (point, (noise, mean)) in noise.iter().zip(mean).enumerate() {
-                let at_point: Vec<f64> = basis.iter().map(|column| column[point]).collect();
-                let own: f64 = inner.iter().zip(&at_point).map(|(row, value)| value * dot(row, &at_point)).sum();
-                trace += noise * (2.0 * own + noise);
-                with_mean += noise * mean * mean;
-            }
-        }
-        (2.0 * trace + 4.0 * with_mean).max(0.0).sqrt() / self.points as f64
     }
 }

@@ -129,13 +129,16 @@ impl FirstOrder {
         let mut first = samples.start;
         while first < samples.end {
             let next = samples.end.min(first.saturating_add(SAMPLES_AT_ONCE));
-            let pairs: Vec<_> = (first..next)
-                .into_par_iter()
-                .map(|sample| {
-                    progress();
-                    self.pair(sampler, sample).map_err(|error| (sample, error))
-                })
-                .collect();
+            let exact = |sample| {
+                progress();
+                let read_t = sampler.readings_of_t(sample)?;
+                displacement_errors_mm(sampler.points(), &read_t, &self.ideal)
+            };
+            let pair = |sample| match exact(sample) {
+                Ok(exact_mm) => Ok((exact_mm, self.linear_sample_mm(sampler.seed(), sample))),
+                Err(error) => Err((sample, error)),
+            };
+            let pairs: Vec<_> = (first..next).into_par_iter().map(pair).collect();
             for pair in pairs {
                 let (exact_mm, linear_mm) = pair?;
                 self.add_pair(&exact_mm, &linear_mm, &mut sums, &mut bias_mm);
@@ -144,13 +147,6 @@ impl FirstOrder {
         }
         let axis_check = |axis: usize| self.axis_check(axis, &sums[axis], self.along(&bias_mm, axis), count as f64);
         Ok(FirstOrderCheck { samples: count, axes: [0, 1, 2].map(axis_check) })
-    }
-
-    /// Exact and linear displacement errors of a sample.
-    fn pair(&self, sampler: &Sampler, sample: u64) -> Result<(Vec<f64>, Vec<f64>), SampleError> {
-        let read_t = sampler.readings_of_t(sample)?;
-        let exact_mm = displacement_errors_mm(sampler.points(), &read_t, &self.ideal)?;
-        Ok((exact_mm, self.linear_sample(sampler.seed(), sample).0))
     }
 
     fn add_pair(&self, exact_mm: &[f64], linear_mm: &[f64], sums: &mut [Sums; 3], bias_mm: &mut [f64]) {

@@ -7,8 +7,6 @@ mod axis_errors;
 mod check;
 /// Displacement errors as a linear function of the readings.
 mod displacement;
-/// Figures as functions of the displacement errors, and their derivatives.
-mod figures;
 /// Samples of the linear model.
 mod linear_samples;
 /// The model: residuals and sensitivities.

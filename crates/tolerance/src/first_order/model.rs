@@ -1,16 +1,14 @@
 //! The model: residuals and sensitivities.
 
 use glam::DVec3;
-use magsplice_decouple::Figure;
 use magsplice_ideal::IdealFilm;
 use magsplice_magnet::{Axis, PerTileError, TileError};
 
 use super::displacement::{Displacement, OMITTED, displacement_errors_mm};
-use super::figures::FigureModel;
 use super::sources::{ErrorSource, Moments, sources};
 use super::tile_response::TileResponse;
 use crate::evaluation_grid::{EvaluationGrid, SampleError};
-use crate::low_rank::{LowRank, add, dot};
+use crate::low_rank::{LowRank, add};
 use crate::real_film::RealFilm;
 use crate::sampler::Sampler;
 
@@ -26,9 +24,6 @@ pub struct ErrorTerm {
     pub mean: f64,
     /// Its standard deviation, in its unit.
     pub deviation: f64,
-    /// The derivative of each figure of [`Figure::ALL`] by the error, at the film without errors.
-    /// `None` where there is none, such as for the RMSE of errors that all vanish.
-    pub figures: [Option<f64>; Figure::ALL.len()],
 }
 
 /// The displacement errors of a film as linear functions of all its errors (docs/physics.md, Eq.
@@ -89,9 +84,6 @@ pub struct FirstOrder {
     pub(super) noise_shift_mm: Vec<f64>,
     pub(super) noise_mean_t: DVec3,
     pub(super) displacement: Displacement,
-    pub(super) figures: FigureModel,
-    /// Amplitude without errors.
-    pub(super) amplitude: f64,
 }
 
 /// The derivatives of all displacement errors by one term.
@@ -117,7 +109,9 @@ impl FirstOrder {
         if bytes.is_none_or(|bytes| bytes > LARGEST_BYTES) {
             return Err(SampleError::TooLarge { bytes });
         }
-        let figures = FigureModel::new(&volume.grid, ideal)?;
+        if let Some(point) = points[..last].iter().find(|point| ideal.flux_density_t(**point).is_none()) {
+            return Err(SampleError::NotBelow { point: *point });
+        }
         let film_t = sampler.film_t()?;
         let nominal_mm = displacement_errors_mm(points, &film_t, ideal)?;
         let mut read_t: Vec<DVec3> =
@@ -131,24 +125,14 @@ impl FirstOrder {
             neighbour.map(|_| errors_mm.iter().zip(&nominal_mm).map(|(all, own)| all - own).collect());
 
         let displacement = Displacement::new(points, &read_t, ideal)?;
-        let gradients = Figure::ALL.map(|figure| figures.gradient(figure, &errors_mm));
         let (mut terms, mut sensitivities) = (Vec::new(), Vec::new());
         for_each_derivative(film, points, &film_t, &read_t, |changes_t| {
             let (source, Moments { mean, variance }) = sources[terms.len()];
             let column = displacement.changes_mm(changes_t);
-            let along = |axis: Axis| &column[axis.index() * last..][..last];
-            let by_figure = Figure::ALL.map(|figure| {
-                let gradient = gradients[figure.index()].as_ref();
-                match figure {
-                    Figure::Amplitude => Some(figures.amplitude(changes_t)),
-                    Figure::Displacement(axis) => gradient.map(|gradient| dot(gradient, along(axis))),
-                    Figure::Uniformity(parameter) => gradient.map(|gradient| dot(gradient, along(parameter.axis()))),
-                }
-            });
             if mean != 0.0 || variance != 0.0 {
                 sensitivities.push(Sensitivity { term: terms.len(), column });
             }
-            terms.push(ErrorTerm { source, mean, deviation: variance.sqrt(), figures: by_figure });
+            terms.push(ErrorTerm { source, mean, deviation: variance.sqrt() });
         })?;
 
         let mut mean_mm = errors_mm;
@@ -169,7 +153,6 @@ impl FirstOrder {
         let noise_shift_mm: Vec<f64> =
             (0..3).flat_map(|axis| rows.iter().map(move |row| row[axis].dot(noise_mean_t))).collect();
         add(&mut mean_mm, 1.0, &noise_shift_mm);
-        let amplitude = figures.amplitude(&read_t);
         Ok(FirstOrder {
             film: film.clone(),
             ideal: *ideal,
@@ -184,23 +167,7 @@ impl FirstOrder {
             noise_shift_mm,
             noise_mean_t,
             displacement,
-            figures,
-            amplitude,
         })
-    }
-
-    /// Number of points of the working volume.
-    pub fn points(&self) -> usize {
-        self.points
-    }
-
-    /// The displacement error along an axis of the film without errors and without its neighbour,
-    /// at each point, z fastest, in mm.
-    ///
-    /// # Panics
-    /// If the axis is not 0, 1 or 2.
-    pub fn nominal_mm(&self, axis: usize) -> &[f64] {
-        self.along(&self.nominal_mm, axis)
     }
 
     /// All errors: twelve of each tile, twelve of each group, those in common, and noise at the

@@ -1,7 +1,7 @@
 //! The errors of a film as one list, with their means, variances and values in samples.
 
 use magsplice_layout::Distribution;
-use magsplice_magnet::{Axis, TileError};
+use magsplice_magnet::{Axis, PerTileError, TileError};
 
 use crate::draws::Draws;
 use crate::quantile::{mean, variance};
@@ -193,16 +193,9 @@ pub(crate) fn sources(film: &RealFilm) -> Vec<(ErrorSource, Moments)> {
 /// The values of all errors of [`sources`] in a sample. `reference` is the number of the reading at
 /// the reference point.
 pub(crate) fn drawn_values(film: &RealFilm, draws: &mut Draws, reference: usize) -> Vec<f64> {
-    let tolerance = film.tolerance();
-    let mut values = Vec::new();
-    for tile in 0..film.tiles().len() {
-        let drawn = tolerance.tiles.get(tile).map(|errors| draws.of_tile(tile, errors));
-        values.extend(drawn.unwrap_or_default().values());
-    }
-    for (group, errors) in tolerance.groups.iter().enumerate() {
-        values.extend(draws.of_group(group, &errors.errors).values());
-    }
+    let errors = film.draw_errors(draws);
+    let mut values: Vec<f64> = errors.iter().flatten().flat_map(PerTileError::values).copied().collect();
     values.extend(film.draw_surroundings(draws).values());
-    values.extend(draws.noise_t(reference, &tolerance.common.sensor.noise_t).to_array());
+    values.extend(draws.noise_t(reference, &film.tolerance().common.sensor.noise_t).to_array());
     values
 }
