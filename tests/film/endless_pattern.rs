@@ -119,8 +119,8 @@ fn field_of_the_published_pattern_is_the_sum_of_its_known_harmonics() {
         let wide = if n == 0 { 0.66 } else { 2.0 / WAVELENGTH * ((4.15 * q).sin() - (0.85 * q).sin()) / q };
         f64::from(u8::from(n == 0)) - (1.0 - FRAC_1_SQRT_2) * wide
     };
-    // At 4 mm and below, harmonics beyond 20 have less than e^(-50) of the first. The pattern leaves
-    // out 1e-13 of mean |J| e^(-kh), 1e-15 T, and rounding is as large.
+    // At 4 mm and below, harmonics beyond 20 have less than e^(-47) of the first. The pattern
+    // neglects at most 1e-13 of mean |J| e^(-kh), 1e-15 T, and rounding is as large.
     let points = [DVec3::new(0.3, -0.7, -4.0), DVec3::new(2.2, 1.9, -4.5), DVec3::new(-4.1, 0.0, -6.0)];
     let found_t = pattern.flux_density_t(&points).expect("a field");
     for (point, found_t) in points.iter().zip(found_t) {

@@ -1,4 +1,4 @@
-//! The error budget: where the displacement errors come from.
+//! The error budget: displacement errors divided by origin.
 
 use std::ops::Range;
 
@@ -13,12 +13,12 @@ use crate::one_cause::each_alone;
 use crate::real_film::RealFilm;
 use crate::sampler::Sampler;
 
-/// The expected mean squares of the displacement errors, divided into all that they come from
-/// (docs/physics.md, Eq. P62).
+/// The expected mean squares of the displacement errors, divided by origin (docs/physics.md, Eq.
+/// P62).
 ///
 /// # Accuracy
 /// Errors of tiles and surroundings are taken to first order. [`FirstOrder::check`] compares the
-/// total with exact samples: times its ratio of mean squares, it is the directly simulated total.
+/// total with exact samples: the total times its ratio of mean squares is the simulated one.
 ///
 /// # Example
 /// ```
@@ -46,9 +46,9 @@ use crate::sampler::Sampler;
 pub struct Budget {
     /// The budgets along x, y, z.
     pub axes: [AxisBudget; 3],
-    /// All tiles whose errors are worth halving, those that save most first.
+    /// Tiles whose errors are worth halving, the largest saving first.
     pub tiles: Vec<Halving<usize>>,
-    /// All causes that are worth halving, those that save most first.
+    /// Causes that are worth halving, the largest saving first.
     pub causes: Vec<Halving<Cause>>,
 }
 
@@ -57,25 +57,24 @@ pub struct Budget {
 pub struct AxisBudget {
     /// The film without errors.
     pub nominal_mm2: f64,
-    /// The splicing pattern without end against the ideal film. `None` if it is not known.
+    /// The splicing pattern without end against the ideal film. `None` if unknown.
     pub pattern_mm2: Option<f64>,
-    /// The contribution of each cause that has errors: of the tiles, the surroundings, and the
-    /// sensor.
+    /// The contribution of each cause that has errors: tiles, surroundings and sensor.
     pub causes: Vec<Share>,
     /// The sum of the nominal mean square and of all causes.
     pub total_mm2: f64,
 }
 
 impl AxisBudget {
-    /// What the end of the film adds to the error of its splicing pattern: the nominal mean square
-    /// less that of the pattern. It is negative where a film is designed such that both compensate
-    /// each other. `None` if the pattern is not known.
+    /// The contribution of the end of the film: the nominal mean square minus the mean square of
+    /// the pattern. It is negative where both compensate each other by design. `None` if the
+    /// pattern is unknown.
     pub fn finite_film_mm2(&self) -> Option<f64> {
         self.pattern_mm2.map(|pattern| self.nominal_mm2 - pattern)
     }
 
-    /// What the causes together add beyond the sum of what they add alone. It is zero to first
-    /// order, but for rounding.
+    /// The excess of the total over the nominal mean square and the contributions of all causes. To
+    /// first order it is zero but for rounding.
     pub fn together_mm2(&self) -> f64 {
         let alone: f64 = self.causes.iter().map(|share| share.contribution.total_mm2()).sum();
         self.total_mm2 - self.nominal_mm2 - alone
@@ -92,8 +91,8 @@ pub struct Halving<T> {
 }
 
 impl Budget {
-    /// The budget to first order of a film, and of its splicing pattern without end if it has one,
-    /// see [`EndlessPattern::errors`](crate::EndlessPattern::errors), in the same volume.
+    /// The budget to first order of a film, and of its splicing pattern without end if known, see
+    /// [`EndlessPattern::errors`](crate::EndlessPattern::errors), in the same volume.
     pub fn new(model: &FirstOrder, pattern: Option<&Figures>) -> Budget {
         let errors = [0, 1, 2].map(|axis| model.axis_errors(axis));
         let saved_mm2 = |tile: usize| errors.each_ref().map(|axis| axis.tiles[tile].saved_by_halving_mm2);
@@ -118,11 +117,11 @@ impl Budget {
         Budget { axes, tiles: Vec::new(), causes }
     }
 
-    /// The budget by exact samples, for films whose errors are too large for the first order. Each
-    /// cause contributes what it adds to the nominal mean square alone;
-    /// [`AxisBudget::together_mm2`] is what all of them add beyond that. What halving saves is that
-    /// of errors that add as squares, and nothing is known of single tiles. `progress` is told,
-    /// from any thread, when a sample begins.
+    /// The budget by exact samples, for films whose errors are too large for the first order. The
+    /// contribution of a cause is the mean square with this cause alone minus the nominal one;
+    /// [`AxisBudget::together_mm2`] is the remainder of the total. Savings assume that errors add
+    /// as squares. Single tiles are not resolved. `progress` is called, from any thread, when a
+    /// sample begins.
     ///
     /// # Errors
     /// The first sample without errors, by its number, and the reason.
@@ -163,7 +162,7 @@ impl Budget {
     }
 }
 
-/// The part of a square that halving saves.
+/// Fraction of a square that halving saves.
 const SAVED_OF_A_SQUARE: f64 = 0.75;
 
 /// Tiles or causes that save anything, ordered by the sum over the axes. Equal ones, such as tiles

@@ -1,5 +1,4 @@
-//! Errors drawn at random, without state: each is a function of the seed, the sample and its own
-//! place alone.
+//! Random errors without state: each is a function of the seed, the sample and its own place only.
 
 use std::f64::consts::TAU;
 
@@ -18,8 +17,8 @@ const WORDS_PER_DEVIATE: u128 = 2;
 /// layout has errors.
 const REGION: u128 = 1 << 40;
 
-/// Deviates of one sample. The stream of ChaCha8 that belongs to the sample is read at the place of
-/// each error, so that neither other samples nor other errors change it.
+/// Deviates of one sample. Each error has its own place in the ChaCha8 stream of the sample, so
+/// neither other samples nor other errors change it.
 pub(crate) struct Draws {
     stream: ChaCha8Rng,
 }

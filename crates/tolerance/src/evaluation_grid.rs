@@ -1,4 +1,4 @@
-//! The figures of a film over its working volume, and why a sample has none.
+//! The figures of a film over its working volume, and reasons why a sample has none.
 
 use glam::DVec3;
 use magsplice_decouple::{Decoupling, DecouplingError, Figures};
@@ -6,8 +6,8 @@ use magsplice_ideal::IdealFilm;
 use magsplice_magnet::{Grid, PointErrors, TileFaults};
 use thiserror::Error;
 
-/// Where a film is used: the points of its working volume, and the reference point from which
-/// displacements count. Lengths in millimetres.
+/// The points of the working volume of a film, and the reference point from which displacements
+/// count. Lengths in millimetres.
 #[derive(Clone, Copy, Debug)]
 pub struct EvaluationGrid {
     /// Points over which errors are averaged.
@@ -17,8 +17,7 @@ pub struct EvaluationGrid {
 }
 
 impl EvaluationGrid {
-    /// The figures of a field that the sensor reads on the grid, z fastest, and at the reference
-    /// point.
+    /// The figures of readings on the grid, z fastest, and at the reference point.
     ///
     /// # Errors
     /// If a decoupling parameter does not exist at a point of the volume.

@@ -2,15 +2,15 @@
 //! sizes, and weaker or magnetized in another direction than ordered, in stray fields, read by real
 //! sensors.
 //!
-//! * [`RealFilm`]: a film with the errors of those that are made like it, and its samples.
+//! * [`RealFilm`]: a film with random errors, and its samples.
 //! * [`Sampler`]: sample number i, which depends on a seed and on i alone, and its errors.
-//! * [`FirstOrder`]: the errors to first order, by exact derivatives: shares of causes and tiles
-//!   without samples, and where this is valid.
+//! * [`FirstOrder`]: errors to first order, by exact derivatives: shares of causes and tiles
+//!   without samples, and a check of their validity.
 //! * [`TileChanges`]: the errors to first order by J and the sides of tiles.
 //! * [`TileResponse`]: the exact derivatives of the field of one tile by each of its errors.
 //! * [`LowRank`]: columns as combinations of a few orthonormal ones.
 //! * [`EndlessPattern`]: the splicing pattern of a film without end, by its Fourier series.
-//! * [`Budget`]: where the displacement errors come from: pattern, end of the film, and each cause.
+//! * [`Budget`]: displacement errors by origin: pattern, end of the film, and each cause.
 //! * [`Statistics`]: mean and percentiles of many samples, with confidence intervals.
 //!
 //! The errors themselves, such as [`magsplice_layout::FilmTolerance`], are values of a layout:
@@ -36,7 +36,7 @@ mod low_rank;
 mod one_cause;
 /// Quantiles, means and variances of distributions.
 mod quantile;
-/// What the sensor reads of a film.
+/// Readings of the sensor.
 mod readings;
 /// Samples of a film with errors of its tiles.
 mod real_film;
@@ -44,7 +44,7 @@ mod real_film;
 mod sampler;
 /// Mean, percentiles and shares of samples, with confidence intervals.
 mod statistics;
-/// What recoil makes of the tiles of a film.
+/// The polarization of tiles that recoil weakens and turns.
 mod weakening;
 
 pub use budget::{AxisBudget, Budget, Halving};

@@ -1,8 +1,8 @@
 //! Columns as combinations of a few orthonormal ones.
 //!
-//! The field in the working volume is smooth, so that a few dozen combinations reach what hundreds
-//! of errors or variables do there. An orthonormal basis is built column by column, each time from
-//! the largest that is left (modified Gram-Schmidt with pivots). It ends at the numeric rank, where
+//! The field in the working volume is smooth, so a few dozen combinations represent the effects of
+//! hundreds of errors or variables there. An orthonormal basis is built column by column, each time
+//! from the largest remaining one (modified Gram-Schmidt with pivots). It ends at the numeric rank;
 //! a complete decomposition of nalgebra would go on through all columns.
 
 use rayon::prelude::*;
@@ -17,8 +17,8 @@ pub struct LowRank {
 }
 
 impl LowRank {
-    /// The basis of columns of equal lengths. The root mean square of what the basis lacks is at
-    /// most the part `omitted` of the root mean square of the columns.
+    /// The basis of columns of equal lengths. The root mean square of the remainder outside the
+    /// basis is at most the fraction `omitted` of the root mean square of the columns.
     pub fn new(mut columns: Vec<Vec<f64>>, omitted: f64) -> LowRank {
         let mut coordinates = vec![Vec::new(); columns.len()];
         let mut basis: Vec<Vec<f64>> = Vec::new();

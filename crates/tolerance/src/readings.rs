@@ -1,4 +1,4 @@
-//! What the sensor reads of a film: its pose, other fields, the temperature, and the sensor's own
+//! Readings of the sensor: pose of the film, other fields, temperature, and the sensor's own
 //! errors.
 
 use glam::{DQuat, DVec3};
@@ -41,7 +41,7 @@ impl Pose {
     }
 }
 
-/// The errors of one sample that all tiles share.
+/// The common errors of one sample.
 #[derive(Clone, Debug)]
 pub(crate) struct Surroundings {
     pub(crate) pose: Pose,
@@ -111,9 +111,9 @@ impl Surroundings {
         values
     }
 
-    /// What the sensor reads, in tesla, without noise. `film_t` is the field of the film in its own
-    /// frame, `neighbour_t` that of its neighbour. The first reading, at the reference point, lacks
-    /// what comes later.
+    /// The reading of the sensor, in tesla, without noise. `film_t` is the field of the film in its
+    /// own frame, `neighbour_t` the field of its neighbour. The first reading, at the reference
+    /// point, lacks later contributions.
     pub(crate) fn reading_t(&self, film_t: DVec3, neighbour_t: DVec3, is_first: bool) -> DVec3 {
         let mut b_t = self.pose.rotation() * film_t;
         if !is_first {

@@ -10,7 +10,8 @@ use crate::draws::Draws;
 use crate::readings::{Pose, Surroundings};
 use crate::weakening::Weakening;
 
-/// A film with the errors of those that are made like it. Lengths in millimetres, J in tesla.
+/// A film with the random errors of its tiles, groups and surroundings. Lengths in millimetres, J
+/// in tesla.
 ///
 /// ```
 /// use glam::DVec3;
@@ -86,7 +87,7 @@ impl RealFilm {
         &self.tiles
     }
 
-    /// Tiles that are placed, one for each place, with the polarization that they have in the film.
+    /// Placed tiles, one for each place, with the polarization that they have in the film.
     ///
     /// # Errors
     /// The faults of the first tile that cannot exist.
@@ -112,7 +113,8 @@ impl RealFilm {
     }
 
     /// The tiles of sample number `sample`, without the pose of the film. They depend on `seed` and
-    /// `sample` alone, and each on its own errors and those of its groups alone. Tiles may overlap.
+    /// `sample` only, and each tile on its own errors and the errors of its groups only. Tiles may
+    /// overlap.
     ///
     /// # Errors
     /// The faults of the first tile that cannot exist, such as one without thickness.
@@ -120,8 +122,8 @@ impl RealFilm {
         self.draw_tiles(&mut Draws::new(seed, sample))
     }
 
-    /// The tiles of sample number `sample` after they are cut and magnetized: each at its place,
-    /// with its errors of size, strength and direction alone.
+    /// The tiles of sample number `sample` as cut and magnetized: each at its place, with errors of
+    /// size, strength and direction only.
     ///
     /// # Errors
     /// The faults of the first tile that cannot exist, such as one without thickness.
@@ -129,8 +131,8 @@ impl RealFilm {
         (0..self.tiles.len()).map(|tile| self.cut_tile(tile, tile, seed, sample)).collect()
     }
 
-    /// Spare tile number `number` of sample number `sample`: another tile that is cut like tile
-    /// number `tile`, with errors of its own.
+    /// Spare tile number `number` of sample number `sample`: another tile cut like tile number
+    /// `tile`, with errors of its own.
     ///
     /// # Errors
     /// The faults of a tile that cannot exist, such as one without thickness.
@@ -148,9 +150,9 @@ impl RealFilm {
         with_errors(&self.tiles[tile], &cut, self.tiles[tile].position())
     }
 
-    /// The tiles of sample number `sample` if these tiles are placed: `cut`, one for each place,
-    /// with the errors of position and rotation of the places and the errors of groups. Of
-    /// [`cut_tiles`](RealFilm::cut_tiles) it makes [`sample_tiles`](RealFilm::sample_tiles), but
+    /// The tiles of sample number `sample` after placing: `cut`, one for each place, with the
+    /// errors of position and rotation of the places and the errors of groups. From
+    /// [`cut_tiles`](RealFilm::cut_tiles) they are [`sample_tiles`](RealFilm::sample_tiles), but
     /// for round-off.
     ///
     /// # Errors
@@ -209,7 +211,7 @@ impl RealFilm {
         Ok(tiles)
     }
 
-    /// The point about which a group turns: the mean of the centres of its tiles.
+    /// The centre of the rotation of a group: the mean of the centres of its tiles.
     pub fn group_centre_mm(&self, group: &ErrorGroup) -> DVec3 {
         let centres = group.tiles.iter().map(|&tile| self.tiles[tile].position());
         centres.sum::<DVec3>() / group.tiles.len().max(1) as f64
@@ -229,7 +231,7 @@ impl RealFilm {
         [of_tiles, groups.iter().enumerate().map(of_group).collect()]
     }
 
-    /// The pose of the film and what else the sensor reads in a sample.
+    /// The pose of the film, other fields and the errors of the sensor in a sample.
     pub(crate) fn draw_surroundings(&self, draws: &mut Draws) -> Surroundings {
         Surroundings::draw(&self.tolerance.common, self.centre_mm, draws)
     }
@@ -266,7 +268,7 @@ pub(crate) fn direction_axes(tile: &Tile) -> Option<[DVec3; 2]> {
 /// The vector in the frame of the tile whose part normal to J is the axis of errors of direction in
 /// the plane: the film's normal. `None` if J is zero.
 ///
-/// Where J is along the film's normal, which leaves no part, the tile's own x takes its place, or
+/// Where J is along the film's normal, the normal has no such part. The tile's x replaces it, or
 /// its y if J is along x.
 pub fn direction_normal(tile: &Tile) -> Option<DVec3> {
     let along = tile.polarization_t().try_normalize()?;

@@ -23,15 +23,15 @@ pub struct Sampler<'a> {
     seed: u64,
     /// The points of the grid, then the reference point.
     points: Vec<DVec3>,
-    /// The field of the neighbour at each of them.
+    /// The field of the neighbour at each point.
     neighbour_t: Vec<DVec3>,
-    /// The field of the film beside that of its tiles, and its gradient, at each of them; empty if
-    /// there is none.
+    /// The field of the film beside the field of its tiles, and its gradient, at each point; empty
+    /// without recoil.
     remainder_t: Vec<(DVec3, DMat3)>,
 }
 
 impl<'a> Sampler<'a> {
-    /// Prepares what all samples share.
+    /// Prepares the parts that all samples share.
     ///
     /// # Errors
     /// If the neighbour has no field at a point of the volume.
@@ -65,8 +65,8 @@ impl<'a> Sampler<'a> {
         self.errors_of_readings(&self.readings_of_t(sample)?)
     }
 
-    /// The errors of sample number `sample` if its tiles are these: they have the pose, the
-    /// surroundings and the sensor of the sample.
+    /// The errors of these tiles with the pose, the surroundings and the sensor of sample number
+    /// `sample`.
     ///
     /// # Errors
     /// If the parameters do not exist in the volume.
@@ -135,8 +135,8 @@ impl<'a> Sampler<'a> {
     }
 
     /// The errors of samples with these numbers, computed in parallel. They do not depend on the
-    /// number of threads, and samples of several ranges are those of the joined range. `progress`
-    /// is called, from any thread, when a sample begins.
+    /// number of threads or on how the samples are divided into ranges. `progress` is called, from
+    /// any thread, when a sample begins.
     ///
     /// # Errors
     /// The first sample without errors, by its number, and the reason.
@@ -159,7 +159,7 @@ pub fn statistics(samples: &[Figures]) -> Option<Figures<Statistics>> {
     Figures::from_fn(|figure| Statistics::new(samples.iter().filter_map(|sample| sample.get(figure).copied())))
 }
 
-/// The exact field of a film with these tiles, with the remainder that its weakening leaves out.
+/// The exact field of a film with these tiles, including the remainder of its weakening.
 pub(crate) fn film_field_t<'r>(
     film: &RealFilm,
     tiles: &[Tile],

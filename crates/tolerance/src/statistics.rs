@@ -2,7 +2,7 @@
 
 use statrs::function::beta::beta_reg;
 
-/// Half the width of a normal distribution's interval of 95 %, in standard deviations.
+/// Half the width of the 95 % interval of a normal distribution, in standard deviations.
 pub(crate) const NORMAL_95: f64 = 1.959_963_984_540_054;
 
 /// A value estimated from samples.
@@ -11,7 +11,7 @@ pub struct Estimate {
     /// The estimate.
     pub value: f64,
     /// Ends of an interval that contains the true value with a probability of 95 %. An end is
-    /// infinite where there are too few samples to state it.
+    /// infinite where there are too few samples.
     pub interval: [f64; 2],
 }
 
@@ -37,10 +37,10 @@ pub struct Statistics {
 impl Statistics {
     /// Statistics of samples, which must be numbers. `None` without samples.
     ///
-    /// The interval of the mean is that of normal errors. The intervals of percentiles are between
-    /// order statistics, whatever the distribution: below the percentile q of n independent samples
-    /// lie about n q (1 - q) +- 1.96 (n q (1 - q))^1/2 of them, by the normal approximation of the
-    /// binomial distribution.
+    /// The interval of the mean assumes normal errors. The interval of a percentile lies between
+    /// two order statistics and assumes no distribution: of n independent samples, n q +- 1.96 (n q
+    /// (1 - q))^1/2 are below the percentile q, by the normal approximation of the binomial
+    /// distribution.
     pub fn new(samples: impl IntoIterator<Item = f64>) -> Option<Statistics> {
         let mut sorted: Vec<f64> = samples.into_iter().collect();
         let count = sorted.len();
@@ -57,7 +57,7 @@ impl Statistics {
 
 /// The share of films with a property, estimated from samples.
 ///
-/// The interval is Wilson's: values whose normal approximation does not exclude the number that was
+/// The interval is Wilson's: all shares whose normal approximation does not exclude the number
 /// found. `None` without samples.
 pub fn share(found: usize, samples: usize) -> Option<Estimate> {
     if samples == 0 {
@@ -70,9 +70,9 @@ pub fn share(found: usize, samples: usize) -> Option<Estimate> {
     Some(Estimate { value, interval: [(centre - half).max(0.0), (centre + half).min(1.0)] })
 }
 
-/// The probability that at least `found` of `samples` independent samples have a property that a
+/// The probability that at least `found` of `samples` independent samples have a property that this
 /// share of all films has: the tail of the binomial distribution. A share is excluded with a
-/// confidence c if this is below 1 - c.
+/// confidence c if the probability is below 1 - c.
 ///
 /// # Panics
 /// If the share is not between 0 and 1.

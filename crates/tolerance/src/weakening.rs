@@ -1,4 +1,4 @@
-//! What recoil makes of the tiles of a film.
+//! The polarization of tiles that recoil weakens and turns.
 
 use glam::{DQuat, DVec3};
 use magsplice_field::Scene;
@@ -6,21 +6,20 @@ use magsplice_magnet::{Tile, TileFaults};
 
 /// How the tiles of a film with a recoil permeability weaken and turn, each at its place.
 ///
-/// A tile that is placed is weakened and turned like the one that was ordered for it: by a
-/// factor and a rotation. How it changes other tiles is neglected; of its change the share that is
-/// neglected is of the order of the susceptibility.
+/// A placed tile is weakened and turned by the factor and the rotation of the ordered one. Its
+/// effect on other tiles is neglected: a share of its change of the order of the susceptibility.
 #[derive(Clone, Debug)]
 pub struct Weakening {
     /// For each place: J of the tile as ordered, and its mean in the film, in the frame of the
     /// tile.
     places: Vec<[DVec3; 2]>,
-    /// What the means leave out of the field.
+    /// The part of the field that the means leave out.
     remainder: Scene,
 }
 
 impl Weakening {
-    /// The weakening of tiles with these mean polarizations in the film. `remainder` is the field
-    /// that the means leave out.
+    /// The weakening of tiles with these mean polarizations in the film. `remainder` is the part of
+    /// the field that the means leave out.
     ///
     /// # Panics
     /// If there are not as many means as tiles.
@@ -38,20 +37,20 @@ impl Weakening {
         self.places.len()
     }
 
-    /// J in the film of a tile that has `own_t`, both in its frame.
+    /// J in the film of a tile with the remanence `own_t`, both in its frame.
     fn in_film_t(&self, place: usize, own_t: DVec3) -> DVec3 {
         let [ordered_t, mean_t] = self.places[place];
         mean_t + self.change_t(place, own_t - ordered_t)
     }
 
-    /// Change of J in the film of a tile whose own changes by `own_t`, both in its frame.
+    /// Change of J in the film of a tile whose remanence changes by `own_t`, both in its frame.
     pub(crate) fn change_t(&self, place: usize, own_t: DVec3) -> DVec3 {
         let [ordered_t, mean_t] = self.places[place];
         match (ordered_t.try_normalize(), mean_t.try_normalize()) {
             (Some(from), Some(to)) => {
                 DQuat::from_rotation_arc(from, to) * own_t * (mean_t.length() / ordered_t.length())
             }
-            // A tile without remanence has what the others give it.
+            // The others polarize a tile without remanence.
             _ => own_t,
         }
     }
@@ -77,8 +76,8 @@ mod tests {
         Tile::new(DVec3::ZERO, DVec3::ONE, polarization_t.into()).unwrap()
     }
 
-    /// The tile as ordered has its mean, one with errors the same factor and rotation, and one
-    /// without remanence what the others give it.
+    /// A tile as ordered has its mean polarization, a tile with errors the same factor and
+    /// rotation, and a tile without remanence the polarization that the others cause.
     #[test]
     fn tiles_are_weakened_like_those_ordered() {
         let ordered = [cube([0.1, 0.0, 0.0]), cube([0.0; 3])];

@@ -10,22 +10,22 @@ use thiserror::Error;
 use super::footprint::Footprint;
 use crate::evaluation_grid::{EvaluationGrid, SampleError};
 
-/// The largest sum of the harmonics that are left out, as a part of mean |J| e^(-kh) at the height
-/// h of the nearest point. The first harmonic of a film as thick as a tenth of its wavelength is
-/// about a fifth of that.
+/// Largest sum of the neglected harmonics, as a fraction of mean |J| e^(-kh) at the height h of the
+/// nearest point. The first harmonic of a film as thick as a tenth of its wavelength is about a
+/// fifth of mean |J| e^(-kh).
 const TRUNCATION: f64 = 1e-13;
 
 /// The highest harmonic along each axis. It is enough down to a height of 0.05 wavelengths.
 const MOST_HARMONICS: usize = 128;
 
-/// The splicing pattern of a film without end: what lies within half a wavelength of the axis x =
-/// y = 0 of the film, repeated in x and y. Tiles are cut at the border.
+/// The splicing pattern of a film without end: its part within half a wavelength of the axis x = y
+/// = 0, repeated in x and y. Tiles are cut at the border.
 ///
 /// # Units
 /// Lengths in millimetres, flux densities in tesla.
 ///
 /// # Accuracy
-/// The harmonics that are left out add at most 1e-13 of mean |J| e^(-kh) at the point nearest to
+/// The neglected harmonics add at most 1e-13 of mean |J| e^(-kh) at the point nearest to
 /// the film, by the bound of [`EndlessPattern::truncation_bound_t`]. Rounding is of the same order.
 ///
 /// # Example
@@ -210,5 +210,5 @@ fn half_plane(most: usize) -> impl Iterator<Item = (i32, i32)> {
     on_axis.chain((1..=most).flat_map(move |m| (-most..=most).map(move |n| (m, n))))
 }
 
-/// Number of tiles that a message names.
+/// Largest number of tiles that a message lists.
 const NAMED_TILES: usize = 10;

@@ -19,11 +19,11 @@ pub struct AxisErrors {
     pub variance_mm2: f64,
     /// The contribution of each cause that has errors.
     pub shares: Vec<Share>,
-    /// The contribution of the errors of each tile, without those of groups.
+    /// The contribution of each tile, without errors of groups.
     pub tiles: Vec<Contribution>,
 }
 
-/// What one cause contributes.
+/// The contribution of one cause.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Share {
     /// The cause.
@@ -36,12 +36,12 @@ pub struct Share {
 /// A contribution to the expected mean square of the displacement errors.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Contribution {
-    /// The part by errors that are the same in each film: twice the product with the nominal
-    /// errors, and the product with all fixed errors. It is negative where they compensate others.
+    /// The part by errors that are equal in all films: twice the product with the nominal errors,
+    /// and the product with all fixed errors. It is negative where they compensate others.
     pub fixed_mm2: f64,
     /// The part by errors that vary.
     pub variance_mm2: f64,
-    /// What the expected mean square falls by if these errors are halved.
+    /// Decrease of the expected mean square if these errors are halved.
     pub saved_by_halving_mm2: f64,
 }
 
@@ -67,8 +67,8 @@ impl Sums {
         }
     }
 
-    /// Products are sums over the points. `mean` is the expectation of the errors, `nominal` that
-    /// without any error.
+    /// Products are sums over the points. `mean` is the expectation of the displacement errors,
+    /// `nominal` their value without any error.
     fn contribution(&self, nominal: &[f64], mean: &[f64]) -> Contribution {
         let count = mean.len() as f64;
         let (with_mean, with_nominal) = (dot(&self.shift, mean), dot(&self.shift, nominal));

@@ -1,8 +1,7 @@
 //! The model against exact samples.
 //!
-//! Both are evaluated with the same random numbers. Their difference varies far less than either,
-//! so that a few hundred samples tell a bias that is much smaller than the error of a mean over
-//! them.
+//! Both use the same random numbers. Their difference varies far less than either, so a few hundred
+//! samples show a bias much smaller than the standard error of their mean.
 
 use std::ops::Range;
 
@@ -15,13 +14,13 @@ use crate::low_rank::{add, dot};
 use crate::sampler::Sampler;
 use crate::statistics::{Estimate, NORMAL_95};
 
-/// The part by which a valid model may be wrong.
+/// Largest relative error of a valid model.
 const ALLOWED: f64 = 0.05;
 
 /// Samples that are evaluated in parallel before they are added up. It bounds the memory.
 const SAMPLES_AT_ONCE: u64 = 64;
 
-/// How far exact samples agree with the model.
+/// Agreement of exact samples with the model.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct FirstOrderCheck {
     /// Number of samples.
@@ -30,16 +29,16 @@ pub struct FirstOrderCheck {
     pub axes: [AxisCheck; 3],
 }
 
-/// How far the displacement errors along one axis agree with the model.
+/// Agreement of the displacement errors along one axis with the model.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct AxisCheck {
     /// Mean square of the displacement error of the exact samples over the volume, in mm^2.
     pub sampled_mm2: f64,
-    /// The expected mean square of exact samples over that of the model. `None` if the model has no
-    /// error at all.
+    /// The expected mean square of exact samples divided by the one of the model. `None` if the
+    /// model has no error at all.
     pub mean_square_ratio: Option<Estimate>,
-    /// The variance of the displacement error of exact samples, averaged over the points, over that
-    /// of the model. `None` if nothing varies in the model.
+    /// The variance of the displacement error of exact samples, averaged over the points, divided
+    /// by the one of the model. `None` if nothing varies in the model.
     pub variance_ratio: Option<Estimate>,
 }
 
@@ -78,7 +77,7 @@ struct Sums {
     exact: f64,
     /// Differences of the squares of exact and of linear errors.
     squares: Moments,
-    /// The same of the squares of their differences from the mean of the model.
+    /// Differences of the squares of their deviations from the mean of the model.
     about_mean: Moments,
     /// Squares of the differences of exact and linear errors.
     differences: f64,
@@ -105,9 +104,9 @@ impl Moments {
 }
 
 impl FirstOrder {
-    /// Compares the model with exact samples of the same film and volume. 200 samples are enough
-    /// for errors of a usual workshop. The result does not depend on the number of threads.
-    /// `progress` is told, from any thread, when a sample begins.
+    /// Compares the model with exact samples of the same film and volume. 200 samples suffice for
+    /// errors of a usual workshop. The result does not depend on the number of threads.
+    /// `progress` is called, from any thread, when a sample begins.
     ///
     /// # Errors
     /// The first sample without errors, by its number, and the reason.

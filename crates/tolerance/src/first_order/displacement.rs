@@ -6,9 +6,8 @@ use magsplice_ideal::IdealFilm;
 
 use crate::evaluation_grid::SampleError;
 
-/// The part of the root mean square of all sensitivities that a basis of them may lack. The
-/// expected square of the displacement errors, over all axes, lacks at most the square of this
-/// part.
+/// Fraction of the root mean square of all sensitivities that their basis may lack. The expected
+/// square of the displacement errors, over all axes, lacks at most the square of this fraction.
 pub(super) const OMITTED: f64 = 1e-4;
 
 /// The derivatives of the displacement errors by the readings.
@@ -17,7 +16,7 @@ pub(crate) struct Displacement {
     /// Derivatives of the parameters over k at each point of the grid, in mm per tesla, with the
     /// signs of displacements along x, y, z.
     rows: Vec<[DVec3; 3]>,
-    /// The same at the reference point.
+    /// These derivatives at the reference point.
     at_reference: [DVec3; 3],
 }
 

@@ -1,5 +1,5 @@
 //! Errors of a film to first order: exact derivatives of the displacement errors by every error of
-//! every tile and of the surroundings, and what follows from them (docs/physics.md, section 7).
+//! every tile and of the surroundings, and their consequences (docs/physics.md, section 7).
 
 /// Mean squares of the displacement errors along one axis, divided into causes and tiles.
 mod axis_errors;

@@ -29,8 +29,8 @@ pub struct ErrorTerm {
 /// The displacement errors of a film as linear functions of all its errors (docs/physics.md, Eq.
 /// P55).
 ///
-/// The derivatives are exact. They belong to the film without errors beside its neighbour, whose
-/// field is taken as it is.
+/// The derivatives are exact, at the film without errors beside its neighbour. The field of the
+/// neighbour is not linearized.
 ///
 /// # Units
 /// Displacements in millimetres, flux densities in tesla, angles in radians.
@@ -69,7 +69,7 @@ pub struct FirstOrder {
     pub(super) points: usize,
     /// Displacement errors without errors and neighbour: x at all points, then y, then z.
     pub(super) nominal_mm: Vec<f64>,
-    /// What the neighbour changes in them.
+    /// Their change by the neighbour.
     pub(super) by_neighbour_mm: Option<Vec<f64>>,
     /// Their expectation.
     pub(super) mean_mm: Vec<f64>,
@@ -170,14 +170,14 @@ impl FirstOrder {
         })
     }
 
-    /// All errors: twelve of each tile, twelve of each group, those in common, and noise at the
+    /// All errors: twelve of each tile, twelve of each group, the common ones, and noise at the
     /// reference point.
     pub fn terms(&self) -> &[ErrorTerm] {
         &self.terms
     }
 
     /// The change of the displacement error along an axis at each point by one standard deviation
-    /// of each error that varies, in mm. Numbers are those of [`FirstOrder::terms`].
+    /// of each error that varies, in mm. Numbers are indices of [`FirstOrder::terms`].
     ///
     /// # Panics
     /// If the axis is not 0, 1 or 2.
@@ -201,7 +201,7 @@ impl FirstOrder {
 }
 
 /// Calls a function with the derivative of all readings by each error, in the order of [`sources`].
-/// `film_t` is the field of the film, `read_t` what the sensor reads of it and its neighbour.
+/// `film_t` is the field of the film, `read_t` the readings of the film and its neighbour.
 fn for_each_derivative(
     film: &RealFilm,
     points: &[DVec3],

@@ -49,7 +49,7 @@ pub enum ErrorSource {
     ReferenceNoise(usize),
 }
 
-/// What errors come from: one number of a tolerance, for all tiles where it is theirs.
+/// The cause of errors: one number of a tolerance, for all its tiles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
@@ -101,7 +101,7 @@ impl From<TileError> for Cause {
 }
 
 impl ErrorSource {
-    /// What the error comes from.
+    /// The cause of the error.
     pub fn cause(self) -> Cause {
         match self {
             ErrorSource::Tile { error, .. } => Cause::from(error),
@@ -147,8 +147,8 @@ impl Moments {
     }
 }
 
-/// All errors of a film with their moments: those of each tile, each group, those in common, and
-/// the noise of the reading at the reference point.
+/// All errors of a film with their moments: of each tile, of each group, in common, and the noise
+/// of the reading at the reference point.
 pub(crate) fn sources(film: &RealFilm) -> Vec<(ErrorSource, Moments)> {
     let tolerance = film.tolerance();
     let mut all = Vec::new();

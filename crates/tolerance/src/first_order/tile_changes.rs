@@ -12,20 +12,19 @@ use crate::low_rank::{LowRank, dot};
 use crate::real_film::RealFilm;
 use crate::sampler::{exact_field_t, film_field_t};
 
-/// Change of J, as a fraction of it, for which few coordinates suffice: that of magnets from a
-/// shop.
+/// Change of J, as a fraction of it, for which few coordinates suffice: the spread of magnets from
+/// a shop.
 const USUAL_CHANGE: f64 = 0.03;
 
 /// Change of a side for which few coordinates suffice, in millimetres.
 const USUAL_SIZE_MM: f64 = 0.02;
 
-/// The displacement errors of a film as linear functions of what its tiles are: the components of J
-/// and the sides, in the frame of each tile.
+/// The displacement errors of a film as linear functions of J and the sides of each tile, in its
+/// frame.
 ///
-/// Displacement errors are written in a few coordinates. The root mean square over all points and
-/// axes of errors with the coordinates c is |c| over the root of the number of errors. What the
-/// coordinates leave out is 1e-4 of the errors of a film whose tiles are wrong by 3 % of J and 0.02
-/// mm in size.
+/// A few coordinates c represent displacement errors. Their root mean square over all points and
+/// axes is |c| over the root of the number of errors. The coordinates leave out 1e-4 of the errors
+/// of a film whose tiles are wrong by 3 % of J and 0.02 mm in size.
 ///
 /// # Units
 /// Millimetres, and tesla.
@@ -33,7 +32,7 @@ const USUAL_SIZE_MM: f64 = 0.02;
 pub struct TileChanges {
     film: RealFilm,
     points: Vec<DVec3>,
-    /// The field that the mean polarizations of tiles leave out, at each point; empty without
+    /// The part of the field that the mean polarizations leave out, at each point; empty without
     /// recoil.
     remainder_t: Vec<DVec3>,
     ideal: IdealFilm,
@@ -44,7 +43,7 @@ pub struct TileChanges {
 }
 
 impl TileChanges {
-    /// The model at a film in a working volume. Errors of the film do not count.
+    /// The model of a film in a working volume. The tolerance of the film is ignored.
     ///
     /// # Errors
     /// If the parameters or the derivatives do not exist at a point of the volume.
@@ -154,7 +153,7 @@ mod tests {
 
     use super::*;
 
-    /// What is left out falls as the square of the changes: to a sixteenth for a quarter of them.
+    /// The remainder falls as the square of the changes: to a sixteenth for a quarter of them.
     #[test]
     fn changes_are_those_of_the_exact_field() {
         let layout = Layout::read("../../layouts/designed-stock.toml").unwrap_or_else(|e| panic!("{e}"));
