@@ -23,6 +23,16 @@ impl BoundingBox {
         BoundingBox { lower: tile.position() - reach, upper: tile.position() + reach }
     }
 
+    /// The smallest box around tiles, up to round-off; without tiles it is empty, see
+    /// [`BoundingBox::from_points`].
+    pub fn from_tiles<'t>(tiles: impl IntoIterator<Item = &'t Tile>) -> BoundingBox {
+        let boxes = tiles.into_iter().map(BoundingBox::from_tile);
+        boxes.fold(BoundingBox::from_points(&[]), |all, tile| BoundingBox {
+            lower: all.lower.min(tile.lower),
+            upper: all.upper.max(tile.upper),
+        })
+    }
+
     /// The smallest box around points; without points an empty box, from infinity to minus
     /// infinity.
     pub fn from_points(points: &[DVec3]) -> BoundingBox {

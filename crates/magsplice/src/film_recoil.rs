@@ -217,17 +217,13 @@ pub(crate) fn recoil_tiles(layout: &Layout, permeability: Option<Permeability>) 
 /// all tiles and the middles of its faces.
 fn points(layout: &Layout) -> Vec<DVec3> {
     let is_outside = |point: &DVec3| !layout.tiles.iter().any(|named| is_near(&named.tile, *point));
-    let of_volume = layout.volume.iter().flat_map(|volume| {
-        coarse(&volume.grid).points().chain([volume.reference_mm]).filter(is_outside).collect::<Vec<DVec3>>()
-    });
-    let of_volume: Vec<DVec3> = of_volume.collect();
+    let grid = layout.volume.as_ref().map(|volume| coarse(&volume.grid));
+    let reference_mm = layout.volume.as_ref().map(|volume| volume.reference_mm);
+    let of_volume: Vec<DVec3> = grid.iter().flat_map(Grid::points).chain(reference_mm).filter(is_outside).collect();
     if !of_volume.is_empty() {
         return of_volume;
     }
-    let bounds = layout.tiles.iter().map(|named| BoundingBox::from_tile(&named.tile));
-    let bounds =
-        bounds.reduce(|all, tile| BoundingBox { lower: all.lower.min(tile.lower), upper: all.upper.max(tile.upper) });
-    let Some(BoundingBox { lower, upper }) = bounds else { return Vec::new() };
+    let BoundingBox { lower, upper } = BoundingBox::from_tiles(layout.tiles.iter().map(|named| &named.tile));
     let margin = DVec3::splat(POINTS_OUTSIDE * (upper - lower).min_element());
     let around = Grid::new(lower - margin, upper + margin, [3; 3]).expect("a box of finite sides");
     let middle = around.point(around.len() / 2);

@@ -93,8 +93,7 @@ fn mirrors(tiles: &[RecoilTile]) -> Vec<Mirror> {
     if tiles.iter().any(|each| each.tile.rotation() != DQuat::IDENTITY) {
         return Vec::new();
     }
-    let corners = tiles.iter().map(|each| BoundingBox::from_tile(&each.tile)).flat_map(|of| [of.lower, of.upper]);
-    let bounds = BoundingBox::from_points(&corners.collect::<Vec<_>>());
+    let bounds = BoundingBox::from_tiles(tiles.iter().map(|each| &each.tile));
     let (centre, size) = (bounds.centre(), bounds.upper - bounds.lower);
     let strongest = tiles.iter().map(|each| each.tile.polarization_t().length()).fold(0.0, f64::max);
     let of_axis = |axis: usize| {

@@ -29,14 +29,7 @@ use noisy::readings;
 
 /// Points below the whole film, at this distance.
 fn scan_points(tiles: &[Tile], height_mm: f64) -> Vec<DVec3> {
-    let boxes: Vec<DVec3> = tiles
-        .iter()
-        .flat_map(|tile| {
-            let around = BoundingBox::from_tile(tile);
-            [around.lower, around.upper]
-        })
-        .collect();
-    let around = BoundingBox::from_points(&boxes);
+    let around = BoundingBox::from_tiles(tiles);
     let count = |axis: usize| ((around.upper[axis] - around.lower[axis]) / STEP_MM).round() as usize + 1;
     let (nx, ny, z) = (count(0), count(1), around.lower.z - height_mm);
     let at = |i: usize, j: usize| around.lower + STEP_MM * DVec3::new(i as f64, j as f64, 0.0);

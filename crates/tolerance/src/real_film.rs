@@ -47,12 +47,7 @@ impl RealFilm {
             tolerance.groups.iter().flat_map(|group| &group.tiles).all(|&tile| tile < tiles.len()),
             "tiles of groups"
         );
-        let ends = |tile: &Tile| {
-            let around = BoundingBox::from_tile(tile);
-            [around.lower, around.upper]
-        };
-        let ends: Vec<DVec3> = tiles.iter().flat_map(ends).collect();
-        let centre_mm = if ends.is_empty() { DVec3::ZERO } else { BoundingBox::from_points(&ends).centre() };
+        let centre_mm = if tiles.is_empty() { DVec3::ZERO } else { BoundingBox::from_tiles(tiles).centre() };
         RealFilm { tiles: tiles.to_vec(), tolerance: tolerance.clone(), centre_mm, weakening: None }
     }
 

@@ -33,11 +33,9 @@ pub struct DesignProblem<'a> {
 
 /// Where a film lies along x and y, along the axes along which it is not centred on 0.
 fn off_centre_mm(tiles: &[Tile]) -> [Option<[f64; 2]>; 2] {
-    let bounds = tiles.iter().map(BoundingBox::from_tile);
-    let film =
-        bounds.reduce(|all, tile| BoundingBox { lower: all.lower.min(tile.lower), upper: all.upper.max(tile.upper) });
+    let film = BoundingBox::from_tiles(tiles);
     [0, 1].map(|axis| {
-        let (low, high) = film.map(|film| (film.lower[axis], film.upper[axis]))?;
+        let (low, high) = (film.lower[axis], film.upper[axis]);
         ((low + high).abs() > SAME_TILE * (high - low)).then(|| [low, high].map(shown_mm))
     })
 }

@@ -164,9 +164,5 @@ fn longest_axis(extents: DVec3) -> Axis {
 
 /// The box around all tiles.
 fn bounds(tiles: &[NamedTile]) -> BoundingBox {
-    let empty = BoundingBox::from_points(&[]);
-    tiles.iter().map(|named| BoundingBox::from_tile(&named.tile)).fold(empty, |all, tile| BoundingBox {
-        lower: DVec3::min(all.lower, tile.lower),
-        upper: DVec3::max(all.upper, tile.upper),
-    })
+    BoundingBox::from_tiles(tiles.iter().map(|named| &named.tile))
 }

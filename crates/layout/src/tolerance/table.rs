@@ -180,9 +180,8 @@ impl ToleranceTable {
 }
 
 fn longest_side(tiles: &[NamedTile]) -> Option<f64> {
-    let boxes = tiles.iter().map(|named| BoundingBox::from_tile(&named.tile));
-    let ends: Vec<_> = boxes.flat_map(|around| [around.lower, around.upper]).collect();
-    (!ends.is_empty()).then(|| 2.0 * BoundingBox::from_points(&ends).half_size().max_element())
+    let around = BoundingBox::from_tiles(tiles.iter().map(|named| &named.tile));
+    (!tiles.is_empty()).then(|| 2.0 * around.half_size().max_element())
 }
 
 /// Findings about tolerances without effect, and about tolerances that nothing evaluates.
