@@ -69,14 +69,6 @@ pub struct BenchCase {
     pub errors: Option<PointErrors>,
 }
 
-/// The times of all rounds, in seconds.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Times {
-    median: f64,
-    least: f64,
-    largest: f64,
-}
-
 impl Film {
     /// Measures the field at points for about `budget`.
     ///
@@ -132,10 +124,10 @@ impl Film {
         let mut found: Vec<BenchCase> = Vec::new();
         for (_, _, accuracy, threads, repeats, samples) in cases {
             let (times, errors) = match repeats {
-                Ok(_) => (Some(Times::from_rounds(samples)), None),
+                Ok(_) => (Some(median_and_ends(samples)), None),
                 Err(errors) => (None, Some(errors)),
             };
-            let median = times.map(|times| times.median);
+            let [median, least_seconds, largest_seconds] = [0, 1, 2].map(|of| times.map(|times| times[of]));
             let exact = found.iter().find(|case| case.accuracy == Accuracy::Exact && case.threads == threads);
             let exact = if accuracy == Accuracy::Exact { median } else { exact.and_then(|case| case.seconds) };
             found.push(BenchCase {
@@ -143,8 +135,8 @@ impl Film {
                 threads,
                 pairs_per_second: median.map(|median| pairs / median),
                 seconds: median,
-                least_seconds: times.map(|times| times.least),
-                largest_seconds: times.map(|times| times.largest),
+                least_seconds,
+                largest_seconds,
                 times_exact: exact.zip(median).map(|(exact, median)| exact / median),
                 errors,
             });
@@ -154,15 +146,13 @@ impl Film {
     }
 }
 
-impl Times {
-    /// The times of at least one round.
-    fn from_rounds(mut seconds: Vec<f64>) -> Times {
-        seconds.sort_by(f64::total_cmp);
-        let (middle, last) = (seconds.len() / 2, seconds.len() - 1);
-        let is_odd = seconds.len() % 2 == 1;
-        let median = if is_odd { seconds[middle] } else { 0.5 * (seconds[middle - 1] + seconds[middle]) };
-        Times { median, least: seconds[0], largest: seconds[last] }
-    }
+/// Median, least and largest time of at least one round.
+fn median_and_ends(mut seconds: Vec<f64>) -> [f64; 3] {
+    seconds.sort_by(f64::total_cmp);
+    let (middle, last) = (seconds.len() / 2, seconds.len() - 1);
+    let is_odd = seconds.len() % 2 == 1;
+    let median = if is_odd { seconds[middle] } else { 0.5 * (seconds[middle - 1] + seconds[middle]) };
+    [median, seconds[0], seconds[last]]
 }
 
 #[cfg(test)]
@@ -171,7 +161,7 @@ mod tests {
 
     #[test]
     fn median_is_the_middle_of_sorted_values() {
-        assert_eq!(Times::from_rounds(vec![3.0, 1.0, 2.0]), Times { median: 2.0, least: 1.0, largest: 3.0 });
-        assert_eq!(Times::from_rounds(vec![4.0, 1.0, 2.0, 100.0]), Times { median: 3.0, least: 1.0, largest: 100.0 });
+        assert_eq!(median_and_ends(vec![3.0, 1.0, 2.0]), [2.0, 1.0, 3.0]);
+        assert_eq!(median_and_ends(vec![4.0, 1.0, 2.0, 100.0]), [3.0, 1.0, 100.0]);
     }
 }
