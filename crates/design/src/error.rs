@@ -33,7 +33,7 @@ pub enum NeededTable {
     Tolerance,
 }
 
-/// Why a film cannot be designed. Messages name tiles and give lengths in millimetres.
+/// Why a film cannot be designed. Messages contain the names of tiles, and lengths in millimetres.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum DesignError {
@@ -48,8 +48,8 @@ pub enum DesignError {
     NotSymmetric {
         /// Names of these tiles.
         tiles: Vec<String>,
-        /// Where the film lies along x and y, in millimetres, along the axes along which it is not
-        /// centred on 0. Both `None` where other tiles are the cause.
+        /// Ends of the film along x and y, in millimetres; `None` along an axis where it is centred
+        /// on 0. Both `None` where other tiles are the cause.
         off_centre_mm: [Option<[f64; 2]>; 2],
     },
     /// The brief counts the films that are made, and its goal is not the displacement.
@@ -64,13 +64,13 @@ pub enum DesignError {
          only directions and strengths vary", listed(.0, ", ")
     )]
     Rotated(Vec<String>),
-    /// The brief and the symmetry leave no number free.
+    /// No number is free under the brief and the symmetry.
     #[error("0 free numbers in this film under the vary and symmetry of [design], must be at least 1")]
     NothingFree,
     /// No film near the layout's keeps these rules together.
     #[error("these rules of [design] cannot be kept together by a film like this one:\n  {}", listed(.0, "\n  "))]
     Contradiction(Vec<Rule>),
-    /// The film found, rounded to the resolution of the brief, is no film.
+    /// The film found cannot exist when rounded to the resolution of the brief.
     #[error(
         "rounding to resolution_mm = {resolution_mm} and resolution_deg = {resolution_deg} of [design] leaves no film: \
          {fault}; choose a finer resolution"
@@ -80,7 +80,7 @@ pub enum DesignError {
         resolution_mm: f64,
         /// The resolution of angles, in degrees.
         resolution_deg: f64,
-        /// What the rounded film lacks.
+        /// The defect of the rounded film.
         fault: RoundingFault,
     },
     /// This point of the working volume, in millimetres, is not below the film.
@@ -115,7 +115,7 @@ pub enum DesignError {
     Request(Vec<SpliceFault>),
 }
 
-/// Why a film rounded to the resolution is no film.
+/// Why a film rounded to the resolution cannot exist.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum RoundingFault {
     /// This tile has a side of 0 mm.

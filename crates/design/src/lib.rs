@@ -1,7 +1,7 @@
 //! Search for spliced films that decouple better, by exact derivatives and constrained least
 //! squares.
 //!
-//! The `[design]` table of a layout, its brief, says what may change and what is wanted.
+//! The `[design]` table of a layout, its brief, lists the free numbers and the demands.
 //!
 //! * [`DesignProblem`]: a layout prepared for design. Tiles are sorted by symmetry, each free
 //!   number is a variable, and each rule a linear inequality.
@@ -12,7 +12,7 @@
 //! * [`SpliceRequest`]: a layout to begin with, from a few numbers.
 //!
 //! Lengths in millimetres, polarization in tesla. This crate reads no files and prints nothing.
-//! docs/physics.md, section 6, derives the method; docs/design.md tells how well it does.
+//! docs/physics.md, section 6, derives the method; docs/design.md measures its results.
 //!
 //! # Example
 //! ```
@@ -70,7 +70,7 @@ mod parts;
 mod problem;
 /// Progress of a search, and the way to stop it.
 mod progress;
-/// Rules of a brief, with the names of tiles.
+/// Rules of a brief, with their tiles.
 mod rule;
 /// The search, stage by stage, and the film found.
 mod search;

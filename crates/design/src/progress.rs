@@ -24,7 +24,7 @@ pub struct ProgressUpdate {
 pub enum SearchStage {
     /// Descents from several starts.
     Starts,
-    /// Descents with what recoil adds to the field of the film found.
+    /// Descents with the field that recoil adds to the film found.
     Recoil,
     /// Strengths are replaced by strengths in stock.
     Strengths,

@@ -1,13 +1,13 @@
-//! Rules of a brief, with the names of the tiles that they bind.
+//! Rules of a brief, with the names of their tiles.
 
 use std::fmt;
 
-/// A rule that no film near the one of the layout keeps together with others.
+/// A rule that no film near the one of the layout keeps together with the others.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rule {
-    /// Names of the tiles that it binds.
+    /// Names of its tiles.
     pub tiles: Vec<String>,
-    /// What it demands of them.
+    /// The demand on them.
     pub demand: Demand,
 }
 

@@ -1,4 +1,4 @@
-//! A film to begin with: the pattern of Dai 2024, Fig. 5, for any wavelength and outline.
+//! A start for the search: the pattern of Dai 2024, Fig. 5, for any wavelength and outline.
 
 use std::f64::consts::TAU;
 
@@ -13,7 +13,7 @@ use magsplice_magnet::Tile;
 use crate::error::DesignError;
 use crate::splice_fault::{MAX_AMPLITUDE, SpliceFault, WIDE, least_extent};
 
-/// A request for a film that is designed without a layout. Lengths in millimetres, polarization in
+/// A request for a film designed without a layout. Lengths in millimetres, polarization in
 /// tesla.
 ///
 /// ```
@@ -42,7 +42,7 @@ pub struct SpliceRequest {
     pub distance_mm: [f64; 2],
     /// Shortest side of a tile. Default: 0.08 of the wavelength.
     pub smallest_cut_mm: f64,
-    /// Goal and demands of the search. The request itself gives what varies, the symmetry, the
+    /// Goal and demands of the search. The request itself sets the free numbers, the symmetry, the
     /// outline and the shortest side. Default: the displacement, with an amplitude of at least
     /// 0.65.
     pub brief: Brief,
@@ -68,7 +68,7 @@ impl SpliceRequest {
         }
     }
 
-    /// The layout to begin the design with. Along each axis it has intervals of a third of the
+    /// The layout from which the design starts. Along each axis it has intervals of a third of the
     /// wavelength about the crests of the ideal polarization (Eq. 1), and of a sixth about its
     /// zeros.
     ///

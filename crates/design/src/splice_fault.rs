@@ -1,4 +1,4 @@
-//! Why a layout to begin with cannot be made.
+//! Why a request gives no layout.
 
 use magsplice_layout::{LayoutFault, SHORTEST_WAVELENGTH_MM, STRONGEST_MAGNET_T, meant_length, meant_polarization};
 use thiserror::Error;
@@ -16,10 +16,10 @@ pub(crate) const WIDE: f64 = 1.0 / 3.0;
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum SpliceFault {
-    /// A number, with its name and its unit, is not finite or not greater than 0.
+    /// A number, given with its name and unit, is not finite or not above 0.
     #[error("{0}: {1} {2}, must be a finite number greater than 0")]
     NotPositive(&'static str, f64, &'static str),
-    /// The remanence is above that of any permanent magnet.
+    /// The remanence is above the remanence of any permanent magnet.
     #[error(
         "remanence: {0} T, must be at most {STRONGEST_MAGNET_T} T, more than any permanent magnet has; {meant}",
         meant = meant_polarization(*.0)

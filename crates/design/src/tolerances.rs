@@ -49,7 +49,7 @@ pub(crate) const LEAST_GAIN: f64 = 1e-3;
 
 /// A descent ends when the root mean square of its residuals, in radians or relative to the ideal
 /// field, is below this. That is a ten-millionth of a wavelength, a thousandth of a micrometre for
-/// 10 mm, far below what rounding leaves of any film.
+/// 10 mm, far below the error of any rounded film.
 pub(crate) const NOTHING_LEFT: f64 = 1e-7;
 
 /// From this number of variables on, the curvature of a step is a product of few rows instead of a
@@ -71,8 +71,8 @@ pub(crate) const SMALLEST_FACTOR: f64 = 0.03;
 pub(crate) const MOST_STEPS: usize = 150;
 
 /// Rules may be broken by this much, in millimetres (tesla for strengths): the accuracy of the
-/// solver of quadratic programs. It is far below the resolution of films, and rounding makes films
-/// keep the rules.
+/// solver of quadratic programs. It is far below the resolution of films, and rounding restores
+/// the rules.
 pub(crate) const KEPT_MM: f64 = 1e-6;
 
 /// Maximum number of times a rounded film is improved by a linear model about it.
@@ -84,7 +84,7 @@ pub(crate) const ROUNDS_OF_AMPLITUDE: usize = 4;
 /// Level of division of tiles with a recoil permeability, the least at which an error is known.
 pub(crate) const RECOIL_LEVEL: usize = 3;
 
-/// Largest change of what recoil adds to the field, relative to the field, at which it stays. Films
+/// Relative change of the field below which the part that recoil adds counts as converged. Films
 /// are designed to errors of 1e-5 of the field.
 pub(crate) const RECOIL_STAYS: f64 = 1e-7;
 
@@ -99,7 +99,7 @@ pub(crate) const PARTS_TRIED: usize = 12;
 /// the number of designs grows with the logarithm of the number of parts.
 pub(crate) const PARTS_SINGLY: usize = 24;
 
-/// Maximum number of steps of a trial, which only has to tell better from worse.
+/// Maximum number of steps of a trial, which only has to rank films.
 pub(crate) const TRIAL_STEPS: usize = 12;
 
 /// Number of the best trials that are descended to the end.

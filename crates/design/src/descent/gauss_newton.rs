@@ -98,7 +98,7 @@ impl LeastSquares {
         Some(candidate)
     }
 
-    /// Whether a film leaves nothing to improve: neither error nor amplitude.
+    /// Whether nothing is left to improve: neither error nor amplitude.
     fn is_done(&self, candidate: &Candidate) -> bool {
         let unit = match self.objective.goal {
             Goal::Displacement => 1.0 / self.objective.ideal.wavenumber(),

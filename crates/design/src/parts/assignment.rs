@@ -12,7 +12,7 @@ use crate::problem::pattern::{Pattern, PatternBuilder, VariableKind, VariableTil
 use crate::problem::symmetry::{Orbit, SymmetryOperation};
 use crate::tolerances::SAME_TILE;
 
-/// Symmetry that a part must have: that of all tiles made of it.
+/// Symmetry that a part must have: the symmetry of all its tiles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum SymmetryClass {
     /// Nothing.
@@ -113,7 +113,7 @@ impl PartAssignment {
         froms.flat_map(of_part).filter(|&(from, into)| may_become(from, into)).collect()
     }
 
-    /// Every way to merge two parts. `turns` says whether directions may change.
+    /// Every way to merge two parts. `turns` is whether directions may change.
     pub(crate) fn merged(&self, turns: bool) -> Vec<MergedAssignment> {
         let both =
             |(from, into)| [false, true].into_iter().filter_map(move |flip| self.with_merged(from, into, flip, turns));
@@ -131,8 +131,8 @@ impl PartAssignment {
         pairs.into_iter().find_map(|(_, from, into, flip)| Some(self.with_merged(from, into, flip, turns)?.assignment))
     }
 
-    /// The assignment whose tiles of part `from` are made of part `into`. `flip` exchanges their
-    /// sides. Where directions may not change, the direction of `into` holds. `None` if symmetry or
+    /// The assignment in which the tiles of part `from` become part `into`. `flip` exchanges their
+    /// sides. Where directions may not change, `into` keeps its direction. `None` if symmetry or
     /// stock forbids it.
     fn with_merged(&self, from: usize, into: usize, flip: bool, turns: bool) -> Option<MergedAssignment> {
         let tiles: Vec<usize> = (0..self.placed.len()).filter(|&i| self.placed[i].part == from).collect();
@@ -179,7 +179,7 @@ impl PartAssignment {
         Some(MergedAssignment { assignment, distance })
     }
 
-    /// Every way to make one tile of another part that is in use or in stock.
+    /// All assignments with one tile moved to another part, in use or in stock.
     pub(crate) fn with_one_exchanged(&self, turns: bool) -> Vec<PartAssignment> {
         let used = self.used();
         let mut all = Vec::new();
@@ -189,7 +189,7 @@ impl PartAssignment {
             let single = self.parts.len();
             let mut alone = self.clone();
             alone.placed[tile].part = single;
-            // The merger reads whether a part is in stock only of the part that stays.
+            // A merger reads `in_stock` only from the part that stays.
             alone.parts.push(DistinctPart { class, ..self.parts[own] });
             if !self.parts[own].in_stock {
                 let left = alone.placed.iter().filter(|placed| placed.part == own).map(|placed| placed.class);

@@ -1,9 +1,9 @@
-//! Fewer distinct parts: pairs of parts are merged in the order of what it costs.
+//! Fewer distinct parts: pairs of parts are merged, the cheapest pair first.
 //!
 //! A part is a size with a direction of polarization. A tile is a part in one of the eight
 //! orientations of a rectangle, turned over included. The reduction begins with one part per tile.
 //! Each round merges the pair of parts that costs least, which is found by designing the film anew.
-//! Parts in stock absorb tiles in the same way.
+//! Parts in stock absorb tiles likewise.
 
 use std::ops::ControlFlow;
 

@@ -31,7 +31,7 @@ pub struct DesignProblem<'a> {
     pub(crate) least_squares: LeastSquares,
 }
 
-/// Where a film lies along x and y, along the axes along which it is not centred on 0.
+/// Ends of a film along x and y; `None` along an axis where it is centred on 0.
 fn off_centre_mm(tiles: &[Tile]) -> [Option<[f64; 2]>; 2] {
     let film = BoundingBox::from_tiles(tiles);
     [0, 1].map(|axis| {
@@ -47,7 +47,7 @@ fn shown_mm(value_mm: f64) -> f64 {
 }
 
 impl<'a> DesignProblem<'a> {
-    /// The problem that the layout's `[design]` table states.
+    /// The problem of the layout's `[design]` table.
     ///
     /// # Errors
     /// If the layout lacks a table, its tiles lack the symmetry of the brief, no number is free, or
@@ -57,7 +57,7 @@ impl<'a> DesignProblem<'a> {
         DesignProblem::from_brief(layout, brief)
     }
 
-    /// The problem that another brief states for this layout.
+    /// The problem of another brief for this layout.
     ///
     /// # Errors
     /// As [`DesignProblem::new`].
@@ -122,7 +122,7 @@ impl<'a> DesignProblem<'a> {
         self.pattern.kinds.len()
     }
 
-    /// What the search is asked for.
+    /// The goal of the search.
     pub fn brief(&self) -> &Brief {
         &self.brief
     }

@@ -1,5 +1,5 @@
-//! The errors of the films that are made, as mean squares: of each tile, of tiles that move
-//! together, and of the surroundings and the sensor.
+//! The errors of manufactured films, as mean squares: of each tile, of tiles that move together,
+//! and of the surroundings and the sensor.
 
 use glam::{DMat3, DVec3};
 use magsplice_field::Scene;
@@ -17,7 +17,7 @@ use crate::problem::symmetry::SymmetryOperation;
 pub(crate) type MeanSquares = PerTileError<f64>;
 
 /// The errors of films. An error whose mean is not 0, such as a fixed one, counts with its mean
-/// square, as if either sign were as likely.
+/// square, as if both signs were equally likely.
 #[derive(Clone, Debug)]
 pub(crate) struct ErrorModel {
     /// By tile of the layout.
@@ -88,7 +88,7 @@ pub(crate) struct RobustFilm<'a> {
     pub(crate) objective: &'a Objective,
     pub(crate) pattern: &'a Pattern,
     pub(crate) variables: &'a [f64],
-    /// Its field, with derivatives if those of the square are wanted.
+    /// Its field, with derivatives if the derivatives of the square are wanted.
     pub(crate) field: &'a SampledField,
 }
 
@@ -134,9 +134,8 @@ impl ErrorModel {
         })
     }
 
-    /// The images of a tile that have to be looked at. Where the errors of images have the same
-    /// effect apart from the symmetry operation, that is the tile itself, with the mean squares of
-    /// all of them.
+    /// The images of a tile to evaluate. Where the errors of images have the same effect apart from
+    /// the symmetry operation, the only image is the tile itself, with the sum of all mean squares.
     pub(crate) fn images(&self, tile: &VariableTile) -> Vec<ErrorImage> {
         if self.tiles.is_empty() {
             return Vec::new();

@@ -1,16 +1,15 @@
-//! The part of the expected squared error of displacement that errors of the film cause, with its
+//! The part of the expected squared displacement error caused by errors of the film, with
 //! derivatives.
 //!
 //! An error of mean square m changes the displacement residual e at a point by its sensitivity: the
 //! change of B there and at the reference point, times the derivatives of the parameters. The
 //! expected square is the sum over all errors of m times the squared sensitivity (docs/physics.md,
-//! section 6.3). It is a sum of squares, so that Gauss-Newton steps suit it as they suit the
-//! nominal error.
+//! section 6.3). It is a sum of squares, so Gauss-Newton steps suit it like the nominal error.
 //!
 //! A sensitivity depends on a variable in two ways: through the field of the whole film, on which
 //! the derivatives of the parameters depend, and through the tile that has the error. The first is
-//! the same for all errors, so that the rows are never formed: their products with vectors of three
-//! components are added up instead.
+//! the same for all errors, so the rows are never formed: their products with vectors of three
+//! components are summed instead.
 
 use glam::{DMat3, DVec3};
 use magsplice_decouple::{Branch, ParameterDerivatives, ParameterSecondDerivatives, Parameters};
@@ -228,8 +227,8 @@ impl Rows<'_> {
         Some(found)
     }
 
-    /// Adds the rows of noise and of what all tiles share and changes the field as a function of
-    /// itself.
+    /// Adds the rows of noise and of common errors, whose change of the field is a function of the
+    /// field.
     fn add_common(&self, model: &ErrorModel, sums: &mut Sums) {
         let film = self.film;
         let b_reference = film.field.flux_density_t[film.field.flux_density_t.len() - 1];

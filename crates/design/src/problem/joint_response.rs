@@ -1,4 +1,4 @@
-//! How the field of a film changes with errors that several of its tiles share.
+//! Changes of the field of a film by errors that several of its tiles share.
 
 use glam::DVec3;
 use magsplice_magnet::{Axis, BoundingBox, DirectionError, PerTileError, TileError};

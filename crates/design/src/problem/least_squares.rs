@@ -7,7 +7,7 @@ use crate::problem::rules::{DesignBounds, LinearRule};
 use crate::problem::sampling::Sampling;
 use crate::tolerances::{LONGEST_STEP, PRICE_OF_AMPLITUDE, STRONGEST_STEP, WIDEST_STEP};
 
-/// The least-squares problem of a design: what is minimized, at which points, within which bounds.
+/// The least-squares problem of a design: objective, points and bounds.
 #[derive(Clone, Debug)]
 pub(crate) struct LeastSquares {
     pub(crate) sampling: Sampling,

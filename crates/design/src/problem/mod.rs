@@ -1,4 +1,4 @@
-//! What is minimized, as a function of which variables, under which rules.
+//! The objective, its variables and its rules.
 
 /// Affine expressions of the variables.
 pub(crate) mod affine;

@@ -9,7 +9,7 @@ use crate::problem::pattern::half_turn;
 use crate::problem::sampling::{SampledField, Sampling};
 use crate::problem::symmetry::SymmetryOperation;
 
-/// The goal of a design, with what its residuals need besides the field.
+/// The goal of a design, with the inputs of its residuals besides the field.
 #[derive(Clone, Debug)]
 pub(crate) struct Objective {
     pub(crate) goal: Goal,
@@ -43,7 +43,7 @@ pub(crate) struct ExpectedSquares {
     pub(crate) loss: f64,
     /// Derivatives of the loss.
     pub(crate) gradient: Vec<f64>,
-    /// Second derivatives of the loss without those of the sensitivities, by rows.
+    /// Second derivatives of the loss, without second derivatives of the sensitivities, by rows.
     pub(crate) curvature: Vec<f64>,
 }
 
@@ -81,7 +81,7 @@ impl Objective {
         Some(Residuals { values, derivatives, amplitudes, expected: None })
     }
 
-    /// Best-fit amplitude with derivatives, over the grid that the weights stand for.
+    /// Best-fit amplitude with derivatives, over the grid of the weights.
     fn amplitude(&self, weights: &[f64], sampling: &Sampling, field: &SampledField) -> (f64, Vec<f64>) {
         let (mut product, mut square) = (0.0, 0.0);
         let mut derivatives = vec![0.0; field.variable_count];
@@ -97,8 +97,7 @@ impl Objective {
         (product / square, derivatives)
     }
 
-    /// Components of B minus those of the target field, relative to the root mean square of the
-    /// target.
+    /// Components of B minus the target field, relative to the root mean square of the target.
     fn field_residuals(&self, sampling: &Sampling, field: &SampledField) -> (Vec<f64>, Vec<f64>) {
         let wanted = self.amplitude.unwrap_or(1.0);
         let square: f64 = sampling.images().iter().map(|&(index, _)| self.ideal_field_t[index].length_squared()).sum();
@@ -145,8 +144,8 @@ impl Objective {
         Some((values, errors))
     }
 
-    /// Changes of the parameters from the reference point minus those of the ideal film, divided by
-    /// k (Dai 2024, Eq. 14).
+    /// Changes of the parameters from the reference point minus their changes in the ideal film,
+    /// divided by k (Dai 2024, Eq. 14).
     fn displacement_residuals(&self, sampling: &Sampling, field: &SampledField) -> Option<(Vec<f64>, Vec<f64>)> {
         let (grid, n, k) = (&sampling.grid, field.variable_count, self.ideal.wavenumber());
         let (parameters, derivatives) = self.parameters(sampling, field)?;

@@ -78,7 +78,7 @@ impl VariableTile {
         [0, 1].map(|end| DVec3::from([0, 1, 2].map(|axis| self.faces[axis][end].eval(variables))))
     }
 
-    /// Whether the faces normal to an axis, which must be constants, differ from those of the
+    /// Whether the faces normal to an axis, which must be constants, differ from the faces of the
     /// layout's tile.
     pub(crate) fn faces_moved(&self, axis: usize) -> bool {
         let half = 0.5 * self.original.size()[axis];
@@ -122,8 +122,8 @@ impl Pattern {
         self.images_of(|variable_tile| variable_tile.tile(variables)).ok()
     }
 
-    /// All tiles, as the images of tiles that a function gives. The error is the index of the first
-    /// tile that cannot exist.
+    /// All tiles, as images of the tiles that a function returns. The error is the index of the
+    /// first tile that cannot exist.
     pub(crate) fn images_of(&self, tile: impl Fn(&VariableTile) -> Option<Tile>) -> Result<Vec<Tile>, usize> {
         let mut tiles = vec![Err(0); self.tile_count];
         for variable_tile in &self.tiles {

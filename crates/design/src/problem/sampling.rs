@@ -23,7 +23,7 @@ pub(crate) struct Sampling {
     /// For each point of the grid, the index of a computed point and the operation that maps it
     /// there.
     images: Vec<(usize, SymmetryOperation)>,
-    /// What recoil adds to B at the computed points, in tesla; zero without recoil.
+    /// The part of B that recoil adds at the computed points, in tesla; zero without recoil.
     pub(crate) recoil_t: Vec<DVec3>,
     operations: Vec<SymmetryOperation>,
 }
@@ -176,7 +176,7 @@ impl Sampling {
 }
 
 /// Number of nodes that a value is interpolated from. Nine nodes over two fifths of a wavelength
-/// along x and y, and five along z, make sums right to 2e-5.
+/// along x and y, and five along z, give sums within 2e-5.
 const NODES: usize = 9;
 
 /// Adds the weights of Lagrange interpolation at `at` from the nearest nodes.

@@ -1,5 +1,5 @@
-//! How the field of a tile changes with the errors with which the tile is made, and how these
-//! changes depend on the numbers of the tile that a search varies.
+//! Changes of the field of a tile by its manufacturing errors, and their derivatives by the numbers
+//! of the tile that a search varies.
 
 use glam::{DMat3, DVec3};
 use magsplice_field::{FaceDerivatives, FaceHessian, PolarizationMap};

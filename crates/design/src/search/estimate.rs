@@ -1,4 +1,4 @@
-//! How long a search will take, from the time of its first step.
+//! The time of a search, estimated from its first step.
 
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
@@ -49,8 +49,7 @@ impl DesignProblem<'_> {
         Ok(SearchEstimate { tiles, variables, starts: self.brief.starts, step, total })
     }
 
-    /// Number of steps that it takes to merge parts, each as long as all threads together need for
-    /// it.
+    /// Number of steps to merge parts, in steps of all threads together.
     fn steps_of_parts(&self, threads: usize, descent: f64) -> f64 {
         if self.brief.parts.is_none() && self.brief.stock.is_empty() {
             return 0.0;

@@ -17,7 +17,7 @@ const BATCH: u64 = 100;
 /// working volume.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct MadeFilms {
-    /// Number of samples of each film: those of `[tolerance]`, or fewer if the search was
+    /// Number of samples of each film: the number in `[tolerance]`, or fewer if the search was
     /// interrupted.
     pub samples: u64,
     /// Seed of the samples. Both films have the same errors.

@@ -14,7 +14,7 @@ const MARGIN: f64 = 0.01;
 
 /// Relative margin of the written percentiles above the upper ends of their intervals of 95 %.
 ///
-/// The written file may have its tiles in another order, so that its samples are others. The 95th
+/// The written file may have its tiles in another order, and then its samples differ. The 95th
 /// percentile of 1000 samples has a standard error of 1.5 %. Two such estimates differ by more than
 /// the interval, this margin and the interval of the check in one of 2000 films.
 const MADE_MARGIN: f64 = 0.02;
@@ -26,17 +26,17 @@ impl DesignProblem<'_> {
     /// The layout of a film found, with the errors it reached as expectations and one more line of
     /// history.
     ///
-    /// `program` is the program named in the history, such as "magsplice 1.0 design". The
-    /// description and the baseline of the field are left out, because they belong to the film
-    /// before. Tiles whose strength has become 0 are left out too.
+    /// `program` is the program in the history, such as "magsplice 1.0 design". The description and
+    /// the baseline of the field are dropped, because they belong to the film before. Tiles whose
+    /// strength has become 0 are dropped too.
     pub fn designed_layout(&self, result: &SearchResult, program: &str) -> Layout {
         let start = format!("\"{}\" (sha256 {})", self.layout.name, &self.layout.sha256[..12]);
         self.layout_from(&start, result, program)
     }
 
     /// [`designed_layout`](DesignProblem::designed_layout) of a film that began as the pattern of
-    /// [`SpliceRequest::layout`](crate::SpliceRequest::layout). The history names this pattern,
-    /// because there is no file with its tiles.
+    /// [`SpliceRequest::layout`](crate::SpliceRequest::layout). The history contains this pattern,
+    /// because no file has its tiles.
     pub fn spliced_layout(&self, result: &SearchResult, program: &str) -> Layout {
         let start = format!("the start pattern (Dai 2024, Fig. 5) for \"{}\"", self.layout.name);
         self.layout_from(&start, result, program)

@@ -1,6 +1,6 @@
-//! Strengths of tiles: those in stock, and what recoil takes from them.
+//! Strengths of tiles: in stock, and weakened by recoil.
 
-/// What recoil adds to the field of a film.
+/// The field that recoil adds to a film.
 mod recoil;
 /// Strengths replaced by strengths in stock.
 pub(crate) mod stock_strengths;

@@ -1,4 +1,4 @@
-//! What recoil adds to the field of a film in a search.
+//! The field that recoil adds to a film in a search.
 //!
 //! B with recoil is B of the polarizations J_r plus that of what the field adds to them. A descent
 //! holds the second part constant. It is then computed anew for the film found, until it stays: it
@@ -57,7 +57,7 @@ impl DesignProblem<'_> {
         Magnetization::solve(&tiles, RECOIL_LEVEL, |_| {}).map(Some).map_err(DesignError::Recoil)
     }
 
-    /// Holds what recoil adds to the field of this film. Returns the largest change of what was
+    /// Holds the field that recoil adds to this film. Returns the largest change of what was
     /// held, relative to the largest field.
     ///
     /// # Errors
@@ -79,7 +79,7 @@ impl DesignProblem<'_> {
         Ok(change_t / largest(&mut with_t.into_iter()))
     }
 
-    /// Descends until what recoil adds to the field is that of the film found.
+    /// Descends until the field that recoil adds belongs to the film found.
     ///
     /// # Errors
     /// If the polarization or the field is not known.
