@@ -97,8 +97,11 @@ impl Budget {
         let errors = [0, 1, 2].map(|axis| model.axis_errors(axis));
         let saved_mm2 = |tile: usize| errors.each_ref().map(|axis| axis.tiles[tile].saved_by_halving_mm2);
         let tiles = most_saving((0..errors[0].tiles.len()).map(|of| Halving { of, saved_mm2: saved_mm2(of) }));
-        let axis_budget = |AxisErrors { nominal_mm2, expected_mm2, shares, .. }| {
-            AxisBudget { nominal_mm2, pattern_mm2: None, causes: shares, total_mm2: expected_mm2 }
+        let axis_budget = |AxisErrors { nominal_mm2, expected_mm2, shares, .. }| AxisBudget {
+            nominal_mm2,
+            pattern_mm2: None,
+            causes: shares,
+            total_mm2: expected_mm2,
         };
         Budget { tiles, ..Budget::of_axes(errors.map(axis_budget), pattern) }
     }
@@ -113,7 +116,8 @@ impl Budget {
         let saved_mm2 =
             |number: usize| axes.each_ref().map(|axis| axis.causes[number].contribution.saved_by_halving_mm2);
         let causes = axes[0].causes.iter().enumerate();
-        let causes = most_saving(causes.map(|(number, share)| Halving { of: share.cause, saved_mm2: saved_mm2(number) }));
+        let causes =
+            most_saving(causes.map(|(number, share)| Halving { of: share.cause, saved_mm2: saved_mm2(number) }));
         Budget { axes, tiles: Vec::new(), causes }
     }
 
