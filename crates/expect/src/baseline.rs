@@ -1,9 +1,7 @@
 //! Baselines: a stored field, and the difference of another field from it.
 
-use std::error::Error;
-use std::fmt;
-
 use glam::DVec3;
+use thiserror::Error;
 
 /// Values of B at the points of a working volume, stored for comparison with later fields.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -27,10 +25,11 @@ pub struct BaselineDifference {
 }
 
 /// The reason why a field and a baseline cannot be compared: their points differ.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum PointsMismatch {
     /// The numbers of points differ.
+    #[error("the baseline has {baseline} points and the working volume {volume}, must have the same")]
     Count {
         /// Number of points of the baseline.
         baseline: usize,
@@ -38,6 +37,10 @@ pub enum PointsMismatch {
         volume: usize,
     },
     /// A point differs.
+    #[error(
+        "point {} of the baseline is ({}, {}, {}) mm and of the working volume ({}, {}, {}) mm, must be the same",
+        index + 1, baseline.x, baseline.y, baseline.z, volume.x, volume.y, volume.z
+    )]
     Point {
         /// Index of the point, from 0.
         index: usize,
@@ -93,29 +96,6 @@ fn relative(one: DVec3, other: DVec3) -> f64 {
     let (one, other) = (one / largest, other / largest);
     one.distance(other) / one.length().max(other.length())
 }
-
-impl fmt::Display for PointsMismatch {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            PointsMismatch::Count { baseline, volume } => {
-                write!(f, "the baseline has {baseline} points and the working volume {volume}, must have the same")
-            }
-            PointsMismatch::Point { index, baseline: b, volume: v } => write!(
-                f,
-                "point {} of the baseline is ({}, {}, {}) mm and of the working volume ({}, {}, {}) mm, must be the same",
-                index + 1,
-                b.x,
-                b.y,
-                b.z,
-                v.x,
-                v.y,
-                v.z
-            ),
-        }
-    }
-}
-
-impl Error for PointsMismatch {}
 
 #[cfg(test)]
 mod tests {

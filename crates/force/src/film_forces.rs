@@ -1,11 +1,9 @@
 //! Forces on all tiles of a film.
 
-use std::error::Error;
-use std::fmt;
-
 use magsplice_magnet::Tile;
 use magsplice_pair::{Load, NotConverged, load_in_f64, pair_loads};
 use rayon::prelude::*;
+use thiserror::Error;
 
 /// Largest number of tiles; their pairs take 800 MB.
 const MOST_TILES: usize = 4_000;
@@ -24,10 +22,11 @@ pub struct FilmForces {
 }
 
 /// The reason why the forces of a film cannot be computed.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum FilmForcesError {
     /// The pairs of the tiles exceed the memory.
+    #[error("{count} tiles, must be at most {most} for their pairs to fit in memory")]
     TooManyTiles {
         /// Number of tiles.
         count: usize,
@@ -35,6 +34,7 @@ pub enum FilmForcesError {
         most: usize,
     },
     /// The force of a pair does not converge.
+    #[error("tiles {first} and {second}: {source}")]
     Pair {
         /// Index of the first tile.
         first: usize,
@@ -154,26 +154,6 @@ impl FilmForces {
     /// The load on each tile by all others.
     pub fn by_all(&self) -> Vec<Load> {
         (0..self.count).map(|of| self.by_some(of, 0..self.count)).collect()
-    }
-}
-
-impl fmt::Display for FilmForcesError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            FilmForcesError::TooManyTiles { count, most } => {
-                write!(f, "{count} tiles, must be at most {most} for their pairs to fit in memory")
-            }
-            FilmForcesError::Pair { first, second, source } => write!(f, "tiles {first} and {second}: {source}"),
-        }
-    }
-}
-
-impl Error for FilmForcesError {
-    fn source(&self) -> Option<&(dyn Error + 'static)> {
-        match self {
-            FilmForcesError::Pair { source, .. } => Some(source),
-            _ => None,
-        }
     }
 }
 

@@ -4,11 +4,9 @@
 //! tile. The holding force of a step is the magnitude of their force on it, and the holding force
 //! of an order is the largest of its steps. Tiles already placed are assumed to hold.
 
-use std::error::Error;
-use std::fmt;
-
 use crate::film_forces::FilmForces;
 use magsplice_pair::Load;
+use thiserror::Error;
 
 /// A placement order, with the load on each tile during its placement.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,10 +17,11 @@ pub struct PlacementOrder {
 }
 
 /// The reason why a list of tiles is no placement order.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum OrderError {
     /// The numbers of tiles in the list and in the film differ.
+    #[error("the order has {given} tiles, must have each of the {tiles} tiles of the film once")]
     Count {
         /// Number in the list.
         given: usize,
@@ -30,6 +29,7 @@ pub enum OrderError {
         tiles: usize,
     },
     /// A number is not the index of a tile.
+    #[error("step {step}: tile {tile}, must be a tile of the film")]
     NoTile {
         /// Step, from 0.
         step: usize,
@@ -37,6 +37,7 @@ pub enum OrderError {
         tile: usize,
     },
     /// A tile is placed twice.
+    #[error("step {step}: tile {tile} is already placed")]
     Twice {
         /// Step of the second placement, from 0.
         step: usize,
@@ -89,17 +90,3 @@ impl PlacementOrder {
         self.hardest_step().map_or(0.0, |(_, force)| force)
     }
 }
-
-impl fmt::Display for OrderError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            OrderError::Count { given, tiles } => {
-                write!(f, "the order has {given} tiles, must have each of the {tiles} tiles of the film once")
-            }
-            OrderError::NoTile { step, tile } => write!(f, "step {step}: tile {tile}, must be a tile of the film"),
-            OrderError::Twice { step, tile } => write!(f, "step {step}: tile {tile} is already placed"),
-        }
-    }
-}
-
-impl Error for OrderError {}

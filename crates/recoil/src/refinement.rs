@@ -14,10 +14,8 @@
 //! 3. The result is an estimate, not a bound. It excludes the error of the solution of the cells,
 //! which with many cells is [`crate::tolerances::TREE_ERROR`] of the change.
 
-use std::error::Error;
-use std::fmt;
-
 use magsplice_magnet::Tile;
+use thiserror::Error;
 
 use crate::cells::cell_count;
 use crate::error::RecoilError;
@@ -65,12 +63,17 @@ pub struct Refined {
 }
 
 /// The reason why a quantity does not reach its tolerance.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum RefinementError {
     /// The polarization cannot be computed.
-    Recoil(RecoilError),
+    #[error("{0}")]
+    Recoil(#[source] RecoilError),
     /// A tolerance is not reached with the allowed number of cells.
+    #[error(
+        "the error is {reached:.1e}, must be at most {tolerance:.1e}, which needs about {needed_cells} cells, but at most \
+         {most_cells} are allowed; accept a larger tolerance, or allow more cells, up to {MAX_CELLS}"
+    )]
     NotConverged {
         /// The tolerance of the value that exceeds its tolerance by the largest factor.
         tolerance: f64,
@@ -85,6 +88,7 @@ pub enum RefinementError {
         best: Option<Box<Refined>>,
     },
     /// The numbers of values and tolerances differ.
+    #[error("the quantity has {values} values, must have one for each of the {tolerances} tolerances")]
     Count {
         /// Number of tolerances.
         tolerances: usize,
@@ -253,29 +257,4 @@ fn extrapolate(rigid: &[f64], history: &[Vec<f64>]) -> (Vec<f64>, Vec<f64>) {
         (value, SAFETY * steepest.abs().max(least) * inverse_square(level))
     };
     (0..last.len()).map(of_one).unzip()
-}
-
-impl fmt::Display for RefinementError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            RefinementError::Recoil(error) => error.fmt(f),
-            RefinementError::NotConverged { tolerance, reached, most_cells, needed_cells, .. } => write!(
-                f,
-                "the error is {reached:.1e}, must be at most {tolerance:.1e}, which needs about {needed_cells} cells, \
-                 but at most {most_cells} are allowed; accept a larger tolerance, or allow more cells, up to {MAX_CELLS}"
-            ),
-            RefinementError::Count { tolerances, values } => {
-                write!(f, "the quantity has {values} values, must have one for each of the {tolerances} tolerances")
-            }
-        }
-    }
-}
-
-impl Error for RefinementError {
-    fn source(&self) -> Option<&(dyn Error + 'static)> {
-        match self {
-            RefinementError::Recoil(error) => Some(error),
-            _ => None,
-        }
-    }
 }

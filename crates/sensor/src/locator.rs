@@ -1,11 +1,9 @@
 //! Positions from readings.
 
-use std::error::Error;
-use std::fmt;
-
 use glam::{DMat3, DVec3};
 use magsplice_magnet::{Grid, PointErrors};
 use rayon::prelude::*;
+use thiserror::Error;
 
 use crate::descent::{Ending, Region, descend};
 use crate::sensed_field::SensedField;
@@ -52,18 +50,23 @@ pub struct Located {
 }
 
 /// The reason why a reading has no position.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum LocateError {
     /// The reading is not finite.
+    #[error("the reading is not a finite number")]
     NotFinite,
     /// The only position found is outside the volume.
+    #[error("the position with this reading is outside the volume, at {}", shown(.0.position))]
     Outside(Located),
     /// More than one position in the volume has the reading. The first two.
+    #[error("two positions have this reading: {} and {}", shown(.0[0]), shown(.0[1]))]
     Ambiguous([DVec3; 2]),
     /// No position within half the extent of the volume around it has the reading.
+    #[error("no position in or near the volume has this reading")]
     NoPosition,
     /// The reading is at the limit of the sensor's range, and the flux density may be larger.
+    #[error("the reading is at the limit of the sensor's range")]
     Saturated,
 }
 
@@ -162,27 +165,9 @@ impl<'a> Locator<'a> {
     }
 }
 
-impl fmt::Display for LocateError {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        match self {
-            LocateError::NotFinite => write!(f, "the reading is not a finite number"),
-            LocateError::Outside(located) => {
-                write!(f, "the position with this reading is outside the volume, at {}", shown(located.position))
-            }
-            LocateError::Ambiguous([first, second]) => {
-                write!(f, "two positions have this reading: {} and {}", shown(*first), shown(*second))
-            }
-            LocateError::Saturated => write!(f, "the reading is at the limit of the sensor's range"),
-            LocateError::NoPosition => write!(f, "no position in or near the volume has this reading"),
-        }
-    }
-}
-
 /// A position to six decimals.
 fn shown(position: DVec3) -> String {
     // Adding 0 turns -0 into 0.
     let [x, y, z] = position.to_array().map(|c| (1e6 * c).round() / 1e6 + 0.0);
     format!("({x}, {y}, {z})")
 }
-
-impl Error for LocateError {}

@@ -1,13 +1,11 @@
 //! The position of a sensor as a polynomial of the decoupling parameters, for computers with little
 //! memory.
 
-use std::error::Error;
-use std::fmt;
-
 use glam::DVec3;
 use magsplice_decouple::{Branch, Parameters};
 use magsplice_magnet::{Grid, PointErrors};
 use nalgebra::DMatrix;
+use thiserror::Error;
 
 use crate::sensed_field::SensedField;
 
@@ -45,17 +43,20 @@ pub struct DisplacementPolynomial {
 }
 
 /// The reason why there is no polynomial.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum PolynomialError {
     /// No degree reaches the requested error.
+    #[error("no polynomial has so small an error; the smallest is {least:.2e}")]
     NotReached {
         /// The smallest error.
         least: f64,
     },
     /// A point of the volume has no parameters, because B_z is 0 there.
+    #[error("B_z is 0 at ({}, {}, {}), where the parameters of Eq. 15 do not exist", .0.x, .0.y, .0.z)]
     Singular(DVec3),
     /// Points without a field.
+    #[error("points of the volume have no field: {0}")]
     Points(PointErrors),
 }
 
@@ -184,19 +185,3 @@ fn points(volume: &Grid, counts: [usize; 3], at: impl Fn(usize, usize) -> f64) -
     }
     points
 }
-
-impl fmt::Display for PolynomialError {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        match self {
-            PolynomialError::NotReached { least } => {
-                write!(f, "no polynomial has so small an error; the smallest is {least:.2e}")
-            }
-            PolynomialError::Singular(DVec3 { x, y, z }) => {
-                write!(f, "B_z is 0 at ({x}, {y}, {z}), where the parameters of Eq. 15 do not exist")
-            }
-            PolynomialError::Points(errors) => write!(f, "points of the volume have no field: {errors}"),
-        }
-    }
-}
-
-impl Error for PolynomialError {}

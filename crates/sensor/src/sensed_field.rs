@@ -1,12 +1,10 @@
 //! The readings of a Hall sensor: the field averaged over its plates, along its axes.
 
-use std::error::Error;
-use std::fmt;
-
 use glam::{DMat3, DQuat, DVec3};
 use magsplice_field::Scene;
 use magsplice_magnet::{Grid, HallSensor, HallSensorFault, PointError, PointErrors, Quantity};
 use nalgebra::{DMatrix, SymmetricEigen};
+use thiserror::Error;
 
 /// Difference of two quadrature rules, as a fraction of the largest flux density in the volume,
 /// below which the first is used. It moves positions by 1e-8 of the wavelength over 2 pi, or by ten
@@ -43,13 +41,18 @@ struct Node {
 }
 
 /// The reason why a sensor cannot read a field.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum SensedFieldError {
     /// The sensor is invalid.
+    #[error("{0}")]
     Sensor(HallSensorFault),
     /// The field changes too much over the active area: rules of 8 x 8 and 9 x 9 nodes differ too
     /// much.
+    #[error(
+        "the field changes too much over the active area of the sensor: rules of {MOST_NODES} x {MOST_NODES} and more \
+         nodes differ by {difference_t:.2e} T; use a smaller area, or keep away from the tiles"
+    )]
     ActiveArea {
         /// Difference in tesla.
         difference_t: f64,
@@ -245,21 +248,6 @@ fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
     let SymmetricEigen { eigenvalues, eigenvectors } = SymmetricEigen::new(jacobi);
     (0..count).map(|n| (eigenvalues[n], 2.0 * eigenvectors[(0, n)].powi(2))).collect()
 }
-
-impl fmt::Display for SensedFieldError {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        match self {
-            SensedFieldError::Sensor(fault) => fault.fmt(f),
-            SensedFieldError::ActiveArea { difference_t } => write!(
-                f,
-                "the field changes too much over the active area of the sensor: rules of {MOST_NODES} x {MOST_NODES} \
-                 and more nodes differ by {difference_t:.2e} T; use a smaller area, or keep away from the tiles"
-            ),
-        }
-    }
-}
-
-impl Error for SensedFieldError {}
 
 #[cfg(test)]
 mod tests {

@@ -1,9 +1,7 @@
 //! Forces from displacements: the straight line of an elastic layer, fitted by least squares.
 
-use std::error::Error;
-use std::fmt;
-
 use statrs::distribution::{ContinuousCDF, StudentsT};
+use thiserror::Error;
 
 /// Probability that an interval contains the true value.
 const CONFIDENCE: f64 = 0.95;
@@ -35,12 +33,14 @@ pub struct Stiffness {
 }
 
 /// The reason why a line cannot be fitted.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum StiffnessError {
     /// Fewer than three readings.
+    #[error("too few readings for a line, must be at least 3")]
     TooFew,
     /// All displacements are the same.
+    #[error("all displacements are the same")]
     NoExtent,
 }
 
@@ -87,17 +87,6 @@ impl Stiffness {
         })
     }
 }
-
-impl fmt::Display for StiffnessError {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        match self {
-            StiffnessError::TooFew => write!(f, "too few readings for a line, must be at least 3"),
-            StiffnessError::NoExtent => write!(f, "all displacements are the same"),
-        }
-    }
-}
-
-impl Error for StiffnessError {}
 
 #[cfg(test)]
 mod tests {
