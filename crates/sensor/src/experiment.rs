@@ -87,6 +87,7 @@ pub fn experiment(
         }
     }
     readings_t.iter_mut().for_each(|reading| *reading = sensor.digitized_t(*reading));
+    let position = |found: &Result<Located, LocateError>| Located::of(found).map(|located| located.position);
     let at_rest = position(&locator.locate(&[at_rest_t])[0]);
     let located = locator.locate(&readings_t);
     let field_at_rest_t = film.field_of_reading_t(at_rest_t);
@@ -106,14 +107,6 @@ pub fn experiment(
         }
     };
     Ok(displacements.iter().zip(readings_t).zip(located).map(step).collect())
-}
-
-/// The position of a reading, inside or outside the volume.
-fn position(found: &Result<Located, LocateError>) -> Option<DVec3> {
-    match found {
-        Ok(located) | Err(LocateError::Outside(located)) => Some(located.position),
-        Err(_) => None,
-    }
 }
 
 /// The noise of one reading, from its own random stream, independent of other readings.

@@ -70,6 +70,16 @@ pub enum LocateError {
     Saturated,
 }
 
+impl Located {
+    /// The position of a reading, also outside the volume.
+    pub fn of(found: &Result<Located, LocateError>) -> Option<Located> {
+        match found {
+            Ok(located) | Err(LocateError::Outside(located)) => Some(*located),
+            Err(_) => None,
+        }
+    }
+}
+
 impl<'a> Locator<'a> {
     /// A locator for the volume of a grid. The field comes from an exact
     /// [`Scene`](magsplice_field::Scene), read by a perfect sensor or by a [`SensedField`].

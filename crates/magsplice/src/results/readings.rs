@@ -133,10 +133,7 @@ impl FilmReadings {
     /// The position of each reading, also outside the volume. `None` for a reading with two
     /// positions or none.
     pub fn positions(&self) -> impl Iterator<Item = Option<Located>> + '_ {
-        self.found.iter().map(|found| match found {
-            Ok(located) | Err(LocateError::Outside(located)) => Some(*located),
-            Err(_) => None,
-        })
+        self.found.iter().map(Located::of)
     }
 
     /// The displacement of the sensor in millimetres; NaN without a position.
