@@ -1,8 +1,6 @@
 //! The HTML page: figures, printed results, a 3D view of the tiles and maps of the field, in one
 //! file that loads no other.
 
-use std::fmt::Write;
-
 use magsplice::Film;
 use magsplice::layout::NamedTile;
 
@@ -49,10 +47,8 @@ pub(crate) fn page(
     let layout = film.layout();
     let data = page_data_json(tiles, survey);
     let description = layout.description.as_ref().map_or(String::new(), |text| format!("<p>{}</p>\n", escaped(text)));
-    let absent = absent.iter().fold(String::new(), |mut html, what| {
-        let _ = writeln!(html, "<p class=\"absent\">Absent: {}.</p>", escaped(what));
-        html
-    });
+    let absent: String =
+        absent.iter().map(|what| format!("<p class=\"absent\">Absent: {}.</p>\n", escaped(what))).collect();
     filled(PAGE, &|placeholder| match placeholder {
         "head" => head(&escaped(&layout.name), ""),
         "name" => escaped(&layout.name),
@@ -121,10 +117,7 @@ fn facts(film: &Film, survey: Option<&Survey>, drawn: usize) -> String {
         let text = format!("{ranges}, step {step} mm, {} points{thinned}", v.grid.len());
         facts.push(("Working volume", text));
     }
-    facts.iter().fold(String::new(), |mut html, (term, text)| {
-        let _ = writeln!(html, "<dt>{term}</dt><dd>{text}</dd>");
-        html
-    })
+    facts.iter().map(|(term, text)| format!("<dt>{term}</dt><dd>{text}</dd>\n")).collect()
 }
 
 fn figure_element(figure: &Drawing) -> String {

@@ -1,7 +1,5 @@
 //! The data on the page that its scripts draw: tiles, maps of the working volume, colours.
 
-use std::fmt::Write;
-
 use magsplice::decouple::Parameter;
 use magsplice::layout::NamedTile;
 use magsplice::prelude::DVec3;
@@ -161,10 +159,7 @@ fn volume_maps(survey: &Survey) -> Vec<MapData> {
 
 /// Colours as hexadecimal digits, six per colour.
 fn hex(colours: &[Rgb]) -> String {
-    colours.iter().flatten().fold(String::new(), |mut text, c| {
-        let _ = write!(text, "{c:02x}");
-        text
-    })
+    colours.iter().flatten().map(|c| format!("{c:02x}")).collect()
 }
 
 #[cfg(test)]

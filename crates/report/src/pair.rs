@@ -1,7 +1,5 @@
 //! Two films side by side: their numbers with the difference, and their figures on the same scales.
 
-use std::fmt::Write;
-
 use magsplice::Film;
 use magsplice::results::FilmEvaluation;
 
@@ -90,10 +88,8 @@ fn page(
     let labels = labels.map(escaped);
     let films = [0, 1].map(|i| {
         let layout = films[i].layout();
-        let missing = absent[i].iter().fold(String::new(), |mut html, what| {
-            let _ = write!(html, "<p class=\"absent\">Absent: {}.</p>", escaped(what));
-            html
-        });
+        let missing = absent[i].iter().map(|what| format!("<p class=\"absent\">Absent: {}.</p>", escaped(what)));
+        let missing: String = missing.collect();
         let tiles = layout.tiles.len();
         format!(
             "<div><h2>{}</h2><p>{}</p><p>{tiles} tiles, SHA-256 of the layout <code>{}</code></p>{missing}</div>\n",
@@ -141,18 +137,18 @@ fn figure_pairs(figures: &[Vec<Drawing>; 2], labels: &[String; 2]) -> String {
             names.push(figure.name);
         }
     }
-    names.iter().fold(String::new(), |mut html, name| {
-        html += "<div class=\"pair\">\n";
-        for ((prefix, figures), label) in PREFIXES.iter().zip(figures).zip(labels) {
+    let pair = |name: &&str| {
+        let of_film = |((prefix, figures), label): ((&&str, &Vec<Drawing>), &String)| {
             let figure = figures.iter().find(|figure| figure.name == *name);
-            html += &figure.map_or_else(
+            figure.map_or_else(
                 || format!("<p class=\"absent\">{label} has no such figure.</p>\n"),
                 |figure| figure_element(figure, prefix, label),
-            );
-        }
-        html += "</div>\n";
-        html
-    })
+            )
+        };
+        let both: String = PREFIXES.iter().zip(figures).zip(labels).map(of_film).collect();
+        format!("<div class=\"pair\">\n{both}</div>\n")
+    };
+    names.iter().map(pair).collect()
 }
 
 fn figure_element(figure: &Drawing, prefix: &str, label: &str) -> String {
