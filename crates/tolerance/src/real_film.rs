@@ -68,11 +68,6 @@ impl RealFilm {
         RealFilm { weakening: self.weakening, ..RealFilm::new(&self.tiles, tolerance) }
     }
 
-    /// The same film without errors.
-    pub fn without_errors(self) -> RealFilm {
-        self.with_tolerance(&FilmTolerance::default())
-    }
-
     pub(crate) fn weakening(&self) -> Option<&Weakening> {
         self.weakening.as_ref()
     }

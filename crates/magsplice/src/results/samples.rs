@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use magsplice_decouple::Figures;
 use magsplice_expect::keeps_bounds;
-use magsplice_layout::FigureBounds;
+use magsplice_layout::{FigureBounds, FilmTolerance};
 use magsplice_making::{PlaceGroup, SortedSampler, Sorting};
 use magsplice_tolerance::{Estimate, EvaluationGrid, RealFilm, SampleError, Sampler, Statistics, share, statistics};
 use serde::Serialize;
@@ -71,7 +71,6 @@ pub struct SampledFigure {
 pub struct FilmSampling {
     film: Film,
     real: RealFilm,
-    exact: RealFilm,
     volume: EvaluationGrid,
 }
 
@@ -90,7 +89,7 @@ impl Film {
     pub fn sampling(&self) -> Result<FilmSampling, FilmError> {
         self.ideal()?;
         let (volume, real) = (self.evaluation_grid()?, self.real_film()?);
-        Ok(FilmSampling { film: self.clone(), exact: real.clone().without_errors(), real, volume })
+        Ok(FilmSampling { film: self.clone(), real, volume })
     }
 }
 
@@ -121,7 +120,8 @@ impl FilmSampling {
     /// # Errors
     /// [`FilmError::Sample`] if they do not exist.
     pub fn nominal(&self) -> Result<Figures, FilmError> {
-        self.sampler_of(&self.exact, 1)?.errors_of(0).map_err(of_sample(0))
+        let ordered = self.real.clone().with_tolerance(&FilmTolerance::default());
+        self.sampler_of(&ordered, 1)?.errors_of(0).map_err(of_sample(0))
     }
 
     /// Statistics of samples.

@@ -125,8 +125,7 @@ impl FirstOrder {
         let mut sums = [Sums::default(); 3];
         // Sums of the differences of exact and linear errors at each point.
         let mut bias_mm = vec![0.0; 3 * self.points];
-        let mut first = samples.start;
-        while first < samples.end {
+        for first in samples.clone().step_by(SAMPLES_AT_ONCE as usize) {
             let next = samples.end.min(first.saturating_add(SAMPLES_AT_ONCE));
             let exact = |sample| {
                 progress();
@@ -142,7 +141,6 @@ impl FirstOrder {
                 let (exact_mm, linear_mm) = pair?;
                 self.add_pair(&exact_mm, &linear_mm, &mut sums, &mut bias_mm);
             }
-            first = next;
         }
         let axis_check = |axis: usize| self.axis_check(axis, &sums[axis], self.along(&bias_mm, axis), count as f64);
         Ok(FirstOrderCheck { samples: count, axes: [0, 1, 2].map(axis_check) })
