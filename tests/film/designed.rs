@@ -3,7 +3,7 @@
 use std::fs;
 
 use glam::DQuat;
-use magsplice::layout::Layout;
+use magsplice::layout::{Layout, Variable};
 use magsplice_field::overlaps;
 
 use crate::shipped::folder;
@@ -29,7 +29,7 @@ fn designed_films_keep_their_size_strength_cuts_and_parts() {
             assert!(reach.x <= half_mm + 1e-9 && reach.y <= half_mm + 1e-9, "{name}: {reach}");
             assert!(tile.size().x.min(tile.size().y) >= least_mm - 1e-9, "{name}: {}", tile.size());
             assert!((tile.polarization_t().length() - 0.12).abs() < 1e-15, "{name}");
-            assert!(brief.vary.tilt || tile.polarization_t().z == 0.0, "{name}");
+            assert!(brief.varies(Variable::Tilt) || tile.polarization_t().z == 0.0, "{name}");
             assert_eq!(tile.rotation(), DQuat::IDENTITY, "{name}");
         }
         if let Some(parts) = brief.parts {
