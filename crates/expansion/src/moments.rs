@@ -144,7 +144,7 @@ impl Moments {
     }
 }
 
-/// Adds the moments of each group of cuboids, except those of order -1.
+/// Adds the moments of each group of cuboids, except moments of order -1.
 ///
 /// A vector holds one cuboid in each lane, and after that one shape in each lane. Products are
 /// rounded before they are added, and sums follow the order of the sources, so the result does not

@@ -133,7 +133,7 @@ impl InteractionList {
         self.expanded.iter().map(|of| of.degree).chain(self.translated.iter().map(|of| of.degree))
     }
 
-    /// Number of expansions, including those that act on some of the points only.
+    /// Number of expansions, including expansions for some of the points only.
     pub(crate) fn expansions(&self) -> usize {
         self.degrees().count() + self.direct.iter().filter(|direct| direct.beyond.is_some()).count()
     }
