@@ -73,11 +73,10 @@ fn edited(text: &str, before: &Layout, after: &Layout, anew: &str, keeps_toleran
     let anew: DocumentMut = anew.parse().ok()?;
     let without_tiles = |layout: &Layout| {
         let names: Vec<&str> = layout.tiles.iter().map(|named| named.name.as_str()).collect();
-        layout.without_tiles(&names).to_toml()
+        layout.without_tiles(&names).table()
     };
-    let [before_text, after_text] = [before, after].map(without_tiles);
-    let [before_values, after_values]: [Table; 2] = [before_text.parse().ok()?, after_text.parse().ok()?];
-    let items: DocumentMut = after_text.parse().ok()?;
+    let [before_values, after_values] = [before, after].map(without_tiles);
+    let items: DocumentMut = after_values.to_string().parse().ok()?;
     patch(document.as_table_mut(), &before_values, &after_values, items.as_table(), true);
     if !keeps_tolerance {
         match anew.get("tolerance") {
