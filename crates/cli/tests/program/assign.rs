@@ -378,7 +378,7 @@ fn samples_of_sorted_tiles() {
     assert_eq!(number(&joined["displacement_rmse_mm"]["x"]["p50"]["value"]), with);
     assert_eq!(joined["sorting"]["spares"], 14);
     sandbox.run(&merge).refuses("other errors or other options of --sorted than");
-    sandbox.run(&[&usual[..], &["--strength-error", "1%"]].concat()).refuses("give --sorted");
+    sandbox.run(&[&usual[..], &["--strength-error", "1%"]].concat()).refuses("measurement errors need --sorted");
     let text = sandbox.run(&["tolerance", &film, "--preset", "jig", "--samples", "2", "--sorted", "-q"]).stdout;
     assert!(text.contains("tiles are measured and sorted before they are placed: 0 spare tiles;"), "{text}");
 }
