@@ -346,7 +346,7 @@ fn level_planes_show_the_residual_of_s_z_in_micrometres() {
         let title = format!("mean {mean:.3}").replace('-', "\u{2212}");
         assert!(svg.contains(&title), "no title {title}");
     }
-    let caption = "Of S_z the maps show the residual";
+    let caption = "For S_z the maps show the residual";
     assert!(sandbox.read("out/report.html").contains(caption));
     assert!(sandbox.read("out/parameters-upright.csv").starts_with("x_mm,y_mm,z_mm,r_x_rad,r_y_rad,s_z_ln_t\n"));
 }

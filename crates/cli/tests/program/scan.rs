@@ -153,7 +153,7 @@ fn fits_that_are_hardly_those_of_the_film_are_named() {
     write(&sandbox, "x_mm,y_mm,z_mm,bx_t,by_t,bz_t", &lines);
     let said = sandbox.run(&["scan", "scan.csv", "--layout", &film]);
     assert!(
-        said.stderr.contains("scan.csv: the fitted strength is 10.000000 times that of the layout"),
+        said.stderr.contains("scan.csv: the fitted strength is 10.000000 times the strength of the layout"),
         "{}",
         said.stderr
     );
