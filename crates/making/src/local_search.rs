@@ -84,6 +84,9 @@ impl LocalSearch {
     fn kick(&mut self, contributions: &Contributions, random: &mut ChaCha8Rng) {
         let of_group = |(group, chosen): (usize, &Vec<_>)| (0..chosen.len()).map(move |place| (group, place));
         let places: Vec<(usize, usize)> = self.chosen.iter().enumerate().flat_map(of_group).collect();
+        if places.is_empty() {
+            return; // All tiles are placed already.
+        }
         for _ in 0..EXCHANGES_OF_A_KICK {
             let (group, number) = places[random.random_range(0..places.len())];
             let count = self.chosen[group].len();
