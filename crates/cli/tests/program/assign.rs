@@ -174,6 +174,20 @@ fn tiles_that_lie_stay() {
     assert!((strength.sqrt() - number(&shimmed["shims"][0]["strength_t"]).abs()).abs() < 1e-9);
 }
 
+#[test]
+fn film_whose_tiles_are_all_placed_is_evaluated() {
+    let sandbox = Sandbox::new();
+    let film = shipped("designed-stock");
+    write_box(&sandbox, &boxed(&sandbox, &film, 1));
+    let before = assigned(&sandbox, &film, &[]);
+    sandbox.write("placed.csv", &sandbox.read("plan.csv").replace(",no\n", ",yes\n"));
+    let after = assigned(&sandbox, &film, &["--placed", "placed.csv"]);
+    assert!(after["plan"].as_array().expect("a plan").iter().all(|row| row["is_placed"] == Value::Bool(true)));
+    // The plan has positions and angles to twelve digits.
+    let rms = |found: &Value| number(&found["rms_mm"]);
+    assert!((rms(&after) / rms(&before) - 1.0).abs() < 1e-6, "{after} instead of {before}");
+}
+
 /// Tiles that are larger than ordered are written as measured; the layout allows their overlap.
 #[test]
 fn measured_sides_are_those_of_the_film() {
