@@ -30,7 +30,7 @@ Film.check
 Film.recoil
     Tiles that weaken and turn each other.
 Film.tolerance, Film.budget
-    Real films, on one machine or on a cluster, and the causes of their error.
+    Films as made, on one machine or on a cluster, and the causes of their error.
 Film.forces
     Forces of the tiles on each other, and placement orders.
 Film.read, Film.resolution
@@ -38,7 +38,7 @@ Film.read, Film.resolution
 Film.assign
     The place and orientation of each measured tile.
 Film.diagnose
-    Faulty tiles of a real film, from a scan of its field.
+    Faulty tiles of a film as made, from a scan of its field.
 Film.design, Film.front
     Better films.
 Film.report, Film.view, magsplice.plot

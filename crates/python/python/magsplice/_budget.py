@@ -1,4 +1,4 @@
-"""The displacement error of real films, divided by its causes."""
+"""The displacement error of films as made, split into its causes."""
 
 from __future__ import annotations
 

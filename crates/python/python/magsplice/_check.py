@@ -18,7 +18,7 @@ _BASELINE = ("x_mm", "y_mm", "z_mm", "bx_t", "by_t", "bz_t")
 
 
 class Percentile(Result):
-    """A percentile of real films."""
+    """A percentile of films as made."""
 
     per_cent: float = key("Which percentile.")
     value: float = key("Its estimate.")

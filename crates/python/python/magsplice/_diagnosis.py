@@ -1,4 +1,4 @@
-"""Faulty tiles of a real film, from a scan of its field."""
+"""Faulty tiles of a film as made, from a scan of its field."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Figures of a film: measures of its decoupling, and the statistics of real films."""
+"""Figures of a film: measures of its decoupling, and the statistics of films as made."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Statistics(Result):
 
 
 class SampledFigure(Statistics):
-    """A figure of real films."""
+    """A figure of films as made."""
 
     nominal: float = key("The figure of the film as ordered.")
 

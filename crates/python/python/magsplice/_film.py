@@ -543,7 +543,7 @@ class Film(_magsplice.Film):
         partition: int | None = None,
         progress: Callable[[int, int], Any] | None = None,
     ) -> Samples:
-        """Decoupling errors of real films, with the errors of ``[tolerance]``.
+        """Decoupling errors of films as made, with the errors of ``[tolerance]``.
 
         Sample number i depends on the seed and on i alone. The result does not depend on the
         division of the samples into calls, threads or workers.
@@ -590,7 +590,7 @@ class Film(_magsplice.Film):
     def budget(
         self, samples: int = 200, *, preset: Preset | None = None, seed: int | None = None
     ) -> Budget:
-        """The displacement error of real films, divided by its causes.
+        """The displacement error of films as made, split into its causes.
 
         The mean square is divided into the splicing pattern, the end of the film, and each cause of
         ``[tolerance]``, as in ``magsplice budget``.

@@ -1,4 +1,4 @@
-"""Samples of real films, and their statistics."""
+"""Samples of films as made, and their statistics."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Preset = Literal["by-hand", "workshop", "jig"]
 
 
 class SampledFilm(OfFilm, Figures[SampledFigure]):
-    """Statistics of real films made from one layout."""
+    """Statistics of films as made, of one layout."""
 
     film: str = key("Hash of all inputs of a sample except the seed.")
     seed: int = key("Seed of the samples.")
@@ -35,7 +35,7 @@ class SampledFilm(OfFilm, Figures[SampledFigure]):
 
 
 class Samples(Table):
-    """Errors of real films made from one layout: one row for each film.
+    """Errors of films as made, of one layout: one row for each film.
 
     Nineteen of twenty films keep the 95th percentile: ``samples.displacement_mm("x").p95``.
 

@@ -15,7 +15,7 @@ class Metrics(Figures[float]):
 
 
 class MadeFilms(Result):
-    """Errors of real films made from the film before a search and from the film found."""
+    """Errors of films as made, from the film before a search and from the film found."""
 
     samples: int = key("Number of samples of each film.")
     seed: int = key("Seed of the samples, the same for both films.")

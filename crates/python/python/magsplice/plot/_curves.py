@@ -46,7 +46,7 @@ def parameters(film: Film, ax: Axes | None = None) -> Axes:
 def samples(
     made: Samples, axis: Literal["x", "y", "z"] = "x", ax: Axes | None = None, *, bins: int = 50
 ) -> Axes:
-    """Histogram of the displacement RMSE of real films, with the 95th percentile.
+    """Histogram of the displacement RMSE of films as made, with the 95th percentile.
 
     Parameters
     ----------
