@@ -1,4 +1,4 @@
-//! The time of a sample of a real film.
+//! The time of a sample of a film as made.
 //!
 //! `cargo bench -p magsplice-benches --bench tolerance` prints on one thread
 //!

@@ -1,4 +1,4 @@
-//! Real films of tiles with a recoil permeability, against the solution of each.
+//! Films as made of tiles with a recoil permeability, against the solution of each.
 
 use magsplice::Film;
 use magsplice::layout::{Distribution, FilmTolerance, NamedTile, TileErrors};

@@ -52,7 +52,7 @@ pub enum DesignError {
         /// on 0. Both `None` where other tiles are the cause.
         off_centre_mm: [Option<[f64; 2]>; 2],
     },
-    /// The brief counts the films that are made, and its goal is not the displacement.
+    /// The brief counts films as made, and its goal is not the displacement.
     #[error(
         "under = \"tolerance\" of [design] needs goal = \"displacement\": the smallest errors of other kinds belong to \
          films whose parameters change little with the displacement"

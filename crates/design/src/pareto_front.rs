@@ -56,9 +56,9 @@ impl DesignProblem<'_> {
     /// parts.
     ///
     /// A film is left out if another film of the front is as good in error, amplitude and number of
-    /// parts, and better in one of them. The error is the 95th percentile of the films that are
-    /// made where the brief counts them. With 1000 samples it scatters by 1.3 %, and so does the
-    /// ratio of two films: if two films differ by less, either may be left out.
+    /// parts, and better in one of them. The error is the 95th percentile of films as made where
+    /// the brief counts them. With 1000 samples it scatters by 1.3 %, and so does the ratio of two
+    /// films: if two films differ by less, either may be left out.
     ///
     /// A film with more amplitude also meets a smaller bound, so errors grow along the front as far
     /// as the search succeeds. If `progress` stops the search, the front has the films found so

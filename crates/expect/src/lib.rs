@@ -3,7 +3,7 @@
 //! * [`Outcome`]: one expectation with its value, bound and margin.
 //! * [`Baseline`]: a stored field, and the difference of another field from it.
 //! * [`Clearance`]: the distance of the tiles from the working volume.
-//! * [`keeps_bounds`]: whether a real film keeps its bounds.
+//! * [`keeps_bounds`]: whether a film as made keeps its bounds.
 //! * [`NarrowGaps`]: the pairs of tiles that almost touch.
 //!
 //! Lengths in millimetres, as in layout files. This crate computes no field, reads no files and
@@ -27,7 +27,7 @@
 mod baseline;
 /// The distance of tiles from the working volume.
 mod clearance;
-/// Bounds of real films.
+/// Bounds of films as made.
 mod made;
 /// Tiles that almost touch.
 mod narrow_gaps;

@@ -1,4 +1,4 @@
-//! Expectations of real films: bounds that each sample keeps or breaks.
+//! Expectations of films as made: bounds that each sample keeps or breaks.
 
 use magsplice_decouple::{Figure, Figures};
 use magsplice_layout::{FigureBounds, MadeExpectations};
@@ -17,7 +17,7 @@ pub fn keeps_bounds(bounds: &FigureBounds, figures: &Figures) -> Option<bool> {
 }
 
 impl Outcome {
-    /// The outcome for a figure of real films, from the figures of samples. `None` if the layout
+    /// The outcome for a figure of films as made, from the figures of samples. `None` if the layout
     /// does not bound the figure, or too few samples have it to break any bound with the confidence
     /// of the layout.
     ///

@@ -19,7 +19,7 @@ pub enum Expectation {
     Field,
     /// The distance of the tiles from the working volume, in millimetres.
     Clearance,
-    /// A figure of real films, at a percentile.
+    /// A figure of films as made, at a percentile.
     Made(Figure),
 }
 
@@ -43,7 +43,7 @@ pub enum Location {
     Point(DVec3),
     /// At the tile with this index.
     Tile(usize),
-    /// The percentile of samples of real films. The value of the outcome is a limit of it; see
+    /// The percentile of samples of films as made. The value of the outcome is a limit of it; see
     /// [`Outcome::from_made`].
     Percentile {
         /// The percentile.

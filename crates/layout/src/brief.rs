@@ -155,7 +155,7 @@ pub enum Under {
     /// The film of the layout, made without errors.
     #[default]
     Nominal,
-    /// The films that are made with the errors of `[tolerance]`: the mean of their squared errors.
+    /// Films as made, with the errors of `[tolerance]`: the mean of their squared errors.
     Tolerance,
 }
 
@@ -296,7 +296,7 @@ impl Brief {
         faults.require((1..=MAX_STARTS).contains(&self.starts), "starts", self.starts, rule);
     }
 
-    /// Requires errors and a goal in millimetres if the films that are made count.
+    /// Requires errors and a goal in millimetres if films as made count.
     fn check_under(&self, present: TablesPresent, faults: &mut TableFaults) {
         if self.under == Under::Nominal {
             return;

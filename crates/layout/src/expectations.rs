@@ -43,7 +43,7 @@ pub struct Expectations {
     #[serde(rename = "clearance_mm", skip_serializing_if = "Option::is_none", with = "As::<LowerBound>")]
     #[schemars(with = "Option<LowerBound>", extend("example" = "{ min = 3.0 }"))]
     pub least_clearance_mm: Option<f64>,
-    /// Requirements on the films that are made with the errors of [tolerance].
+    /// Requirements on films as made, with the errors of [tolerance].
     pub made: Option<MadeExpectations>,
 }
 
@@ -65,9 +65,9 @@ pub struct FigureBounds {
     pub least_amplitude: Option<f64>,
 }
 
-/// Requirements on a percentile of the films that are made with the errors of [tolerance], at least
-/// one: upper bounds at the percentile, and a lower bound of the amplitude at 100 minus it. A bound
-/// counts as broken only if samples exclude with the confidence that it is kept.
+/// Requirements on a percentile of films as made, with the errors of [tolerance], at least one:
+/// upper bounds at the percentile, and a lower bound of the amplitude at 100 minus it. A bound
+/// counts as broken only if the samples show it with the confidence.
 #[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(default)]
 #[schemars(rename = "MadeTable")]
@@ -79,8 +79,8 @@ pub struct MadeExpectations {
     pub bounds: FigureBounds,
     /// Number of films that are evaluated. Default: the samples of [tolerance].
     pub samples: Option<u64>,
-    /// Confidence with which the films that were evaluated must exclude that the bound is kept,
-    /// before it counts as broken: a fraction. Default: 0.95.
+    /// Confidence with which the evaluated films must show that a bound is broken: a fraction.
+    /// Default: 0.95.
     pub confidence: f64,
 }
 

@@ -29,7 +29,7 @@ pub enum FindingSubject {
     Expectations,
     /// The design brief.
     Design,
-    /// The errors of films that are made.
+    /// The errors of films as made.
     Tolerance,
 }
 

@@ -1,4 +1,4 @@
-//! A hash of everything that determines the samples of made films.
+//! A hash of everything that determines the samples of films as made.
 
 use serde::Serialize;
 use sha2::{Digest, Sha256};
@@ -27,8 +27,8 @@ struct SampleInputs<'a, S> {
 type TileNumbers = ([f64; 3], [f64; 3], [f64; 3], [f64; 4]);
 
 impl Layout {
-    /// SHA-256, in lower-case hexadecimal, of everything that determines the samples of made films
-    /// except their seed: the tiles without their names, their permeabilities and errors, the
+    /// SHA-256, in lower-case hexadecimal, of everything that determines the samples of films as
+    /// made except their seed: the tiles without their names, their permeabilities and errors, the
     /// working volume, the ideal film, and `settings`, such as how tiles are sorted.
     ///
     /// The hash is of JSON with the keys and units of layout files, so that it does not depend on

@@ -60,7 +60,7 @@ pub struct Layout {
     pub expectations: Expectations,
     /// What a search may change to improve the film, and its goal.
     pub brief: Option<Brief>,
-    /// The errors of the films that are made from the layout. `None` if none are stated.
+    /// The errors of films as made. `None` if the layout specifies none.
     pub tolerance: Option<FilmTolerance>,
     /// The sensor below the film. `None` for a perfect one.
     pub sensor: Option<StatedSensor>,

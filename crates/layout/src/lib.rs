@@ -80,7 +80,7 @@ mod sensor;
 mod tables_present;
 /// `[[tile]]`, `[kind.NAME]` and `[[lattice]]`.
 mod tile;
-/// `[tolerance]`: what a film that is made differs by from its layout.
+/// `[tolerance]`: the differences of a film as made from its layout.
 mod tolerance;
 /// Degrees to quaternions and directions, and the units that keys state.
 mod units;

@@ -78,7 +78,7 @@ impl Film {
         }
     }
 
-    /// The errors of the films that are made, of as many samples as the layout states.
+    /// The errors of films as made, of as many samples as the layout specifies.
     fn made_films(&self) -> Result<Vec<Figures>, FilmError> {
         let sampling = self.sampling()?;
         let (seed, stated) = self.layout().tolerance.as_ref().map_or((1, 1), |stated| (stated.seed, stated.samples));

@@ -1,4 +1,4 @@
-//! The displacement error of real films, divided by its causes.
+//! The displacement error of films as made, split into its causes.
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;

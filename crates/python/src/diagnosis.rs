@@ -1,4 +1,4 @@
-//! Faulty tiles of a real film.
+//! Faulty tiles of a film as made.
 
 use magsplice::magnet::TileError;
 use magsplice::scan::FreeParameters;

@@ -10,11 +10,11 @@
 
 /// The assignment of measured tiles to places.
 mod assignment;
-/// The displacement error of real films, divided by its causes.
+/// The displacement error of films as made, split into its causes.
 mod budget;
 /// Expectations of a film.
 mod check;
-/// Faulty tiles of a real film.
+/// Faulty tiles of a film as made.
 mod diagnosis;
 /// Numbers of a film: comparison and decoupling.
 mod evaluation;
@@ -34,7 +34,7 @@ mod recoil;
 mod report;
 /// Results of the library as dictionaries.
 mod results;
-/// Samples of real films.
+/// Samples of films as made.
 mod samples;
 /// Tiles prepared for evaluation.
 mod scene;

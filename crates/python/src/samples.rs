@@ -1,4 +1,4 @@
-//! Samples of real films.
+//! Samples of films as made.
 
 use std::ops::{ControlFlow, Range};
 
@@ -16,8 +16,7 @@ use crate::film::Film;
 use crate::results::dictionary;
 use crate::vectors::rows;
 
-/// The figures of samples `first` to `first + count` of real films made from a layout, on `threads`
-/// threads.
+/// The figures of samples `first` to `first + count` of films as made, on `threads` threads.
 #[pyfunction]
 #[pyo3(signature = (film, preset, seed, first, count, threads=None, progress=None))]
 #[expect(clippy::too_many_arguments, reason = "Python passes them by name")]

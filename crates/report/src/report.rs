@@ -63,9 +63,9 @@ pub struct Report {
 impl Report {
     /// Draws all figures that the layout allows, and the page.
     ///
-    /// `samples` are films that are made from the layout,
-    /// whose errors two further figures show. The figures have the accuracy of the film. `text` is
-    /// the form of text in the SVG files; on the page it is always outlines.
+    /// `samples` are films as made, whose errors two further figures show. The figures have the
+    /// accuracy of the film. `text` is the form of text in the SVG files; on the page it is always
+    /// outlines.
     ///
     /// # Errors
     /// - [`ReportError::Film`] if the film cannot be evaluated.

@@ -67,11 +67,11 @@ pub(crate) struct Survey<'a> {
     pub(crate) round_off_t: f64,
     /// The ideal film and the decoupling parameters, if the layout has an ideal film.
     pub(crate) against_ideal: Option<AgainstIdeal<'a>>,
-    /// Samples of the films that are made, if they were drawn.
+    /// Samples of films as made, if they were drawn.
     pub(crate) samples: Option<FilmSamples>,
 }
 
-/// Samples of the films that are made from a layout, for [`Report::new`](crate::Report::new).
+/// Samples of films as made, for [`Report::new`](crate::Report::new).
 #[derive(Clone, Debug)]
 pub struct FilmSamples {
     /// The errors of the film as it was ordered.

@@ -1,5 +1,5 @@
-//! From a measured field to the film: the parameters of a scan, and the faulty tiles of a real
-//! film.
+//! From a measured field to the film: the parameters of a scan, and the faulty tiles of a film as
+//! made.
 //!
 //! * [`fit_scan`]: strength, offset, rotation and start of a measured scan, a [`ScanFit`].
 //! * [`ScanPositions`]: the grid of a scan, its gaps and repeated positions.
@@ -16,7 +16,7 @@
 // Rules are written as `!(x > limit)` so that NaN breaks them.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
-/// Faulty tiles of a real film, from a scan of its field.
+/// Faulty tiles of a film as made, from a scan of its field.
 mod diagnosis;
 /// Fits of measured scans.
 mod fit;

@@ -64,9 +64,9 @@ pub fn displacements(volume: &Grid, reference: DVec3, axis: usize, step: f64) ->
 
 /// Moves a film and reads its sensor at each displacement.
 ///
-/// `film` is the real film, and `locator` has the ordered film. The sensor is first read at rest,
-/// without noise. All displacements count from this reading. Displacements by the field count from
-/// its position, which differs from the reference point if the films differ.
+/// `film` is the film as made, and `locator` has the film as ordered. The sensor is first read at
+/// rest, without noise. All displacements count from this reading. Displacements by the field count
+/// from its position, which differs from the reference point if the films differ.
 ///
 /// # Errors
 /// If the sensor is on an edge of a tile at a displacement.

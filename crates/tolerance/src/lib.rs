@@ -1,4 +1,4 @@
-//! Real films: the decoupling errors of films whose tiles are misplaced, turned, cut to wrong
+//! Films as made: the decoupling errors of films whose tiles are misplaced, turned, cut to wrong
 //! sizes, and weaker or magnetized in another direction than ordered, in stray fields, read by real
 //! sensors.
 //!

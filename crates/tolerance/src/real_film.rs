@@ -1,4 +1,4 @@
-//! Samples of the films that are made from a layout.
+//! Samples of films as made.
 
 use std::borrow::Cow;
 

@@ -1,4 +1,4 @@
-//! `magsplice budget`: the displacement error of real films, divided by its causes.
+//! `magsplice budget`: the displacement error of films as made, divided by its causes.
 
 use std::path::PathBuf;
 use std::sync::Arc;

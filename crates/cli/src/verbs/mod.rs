@@ -4,7 +4,7 @@
 pub(crate) mod assign;
 /// Measures how fast the field is computed.
 pub(crate) mod bench;
-/// Divides the displacement error of real films by its causes.
+/// Splits the displacement error of films as made into its causes.
 pub(crate) mod budget;
 /// Fits the stiffness of the elastic layer.
 pub(crate) mod calibrate;
@@ -18,7 +18,7 @@ pub(crate) mod completions;
 pub(crate) mod decouple;
 /// Searches for a better film.
 pub(crate) mod design;
-/// Finds the faulty tiles of a real film.
+/// Finds the faulty tiles of a film as made.
 pub(crate) mod diagnose;
 /// Moves the film and computes the readings of its sensor.
 pub(crate) mod experiment;
@@ -49,7 +49,7 @@ pub(crate) mod schema;
 pub(crate) mod splice;
 /// Lists the tiles of a layout and its bill of materials.
 pub(crate) mod tiles;
-/// Samples the real films of a layout.
+/// Samples films as made.
 pub(crate) mod tolerance;
 
 use clap::{Command, Subcommand};

@@ -106,8 +106,8 @@ fn text(path: &Path, list: &BillOfMaterials) -> String {
     format!("{}: {}, {}\n{table}{}", path.display(), layout.name, tile_count(layout), narrow_gaps(list))
 }
 
-/// Gaps below this are no gaps in a made film: tiles are placed to about 0.01 mm at best, and sawn
-/// sides are no better.
+/// Gaps below this are no gaps in a film as made: tiles are placed to about 0.01 mm at best, and
+/// sawn sides are no better.
 const NARROW_GAP_MM: f64 = 0.01;
 
 /// A sentence about tiles that almost touch, if there are any.

@@ -1,4 +1,4 @@
-//! `tolerance`: samples of the films that are made, their parts, and runs that are continued.
+//! `tolerance`: samples of films as made, their parts, and runs that are continued.
 
 use std::fs;
 use std::process::Stdio;
@@ -45,7 +45,7 @@ fn tolerance_gives_the_known_errors_of_the_published_film() {
             [&p95["interval"][0], &p95["value"], &p95["interval"][1]].map(serde_json::Value::as_f64);
         assert!(low < value && value < high && low.is_some(), "{axis}: {p95}");
     }
-    // The published film expects its nominal errors, which most of the films that are made exceed.
+    // The published film expects its nominal errors, which most of the films as made exceed.
     let share = result["yield"]["value"].as_f64().expect("a number");
     assert!(share < 0.2, "{share}");
     let text = sandbox.run(&["tolerance", "film.toml", "--samples", "400"]).stdout;

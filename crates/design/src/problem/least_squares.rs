@@ -15,7 +15,7 @@ pub(crate) struct LeastSquares {
     pub(crate) bounds: DesignBounds,
     /// Lower bound of the best-fit amplitude.
     pub(crate) least_amplitude: Option<f64>,
-    /// Errors of the films that are made, if their expected square is minimized too.
+    /// Errors of films as made, if their expected square is minimized too.
     pub(crate) errors: Option<ErrorModel>,
 }
 

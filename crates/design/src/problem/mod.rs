@@ -4,7 +4,7 @@
 pub(crate) mod affine;
 /// A layout prepared for design.
 pub(crate) mod design_problem;
-/// Errors of the films that are made, as mean squares.
+/// Errors of films as made, as mean squares.
 mod error_model;
 /// The expected square that errors of films add, with derivatives.
 mod expected_squares;

@@ -1,5 +1,4 @@
-//! The errors of the films that are made, by samples: of the film before a search, and of the one
-//! found.
+//! The errors of films as made, by samples: from the film before a search, and from the film found.
 
 use magsplice_decouple::Figures;
 use magsplice_magnet::Tile;
@@ -13,8 +12,8 @@ use crate::search::shortfall::Shortfall;
 /// Samples between two updates about progress: about a tenth of a second for a film of 56 tiles.
 const BATCH: u64 = 100;
 
-/// Errors of the films that are made with the errors of `[tolerance]`, from exact samples over the
-/// working volume.
+/// Errors of films as made, with the errors of `[tolerance]`, from exact samples over the working
+/// volume.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct MadeFilms {
     /// Number of samples of each film: the number in `[tolerance]`, or fewer if the search was
@@ -30,7 +29,7 @@ pub struct MadeFilms {
 
 impl DesignProblem<'_> {
     /// Samples the film before the search and the film found. `None` if the brief does not count
-    /// the films that are made.
+    /// films as made.
     ///
     /// If the search is stopped, the samples end after the first batch.
     ///

@@ -2,7 +2,7 @@
 
 /// The time that a search will take.
 pub(crate) mod estimate;
-/// Errors of the films that are made, by samples.
+/// Errors of films as made, by samples.
 pub(crate) mod made_films;
 /// Errors of a film over a grid.
 pub(crate) mod metrics;

@@ -23,13 +23,13 @@ pub struct SearchResult {
     /// Errors of the designed film over the design grid refined five times.
     #[serde(rename = "five_times_finer")]
     pub finer: Metrics,
-    /// Errors of the films that are made, if the brief counts them and every sample has errors.
+    /// Errors of films as made, if the brief counts them and every sample has errors.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub made: Option<MadeFilms>,
     /// The error that the search minimizes: the root of the weighted sum of squares of the three
     /// uniformity or displacement RMSE, the latter in millimetres, by the goal of the brief; 95th
-    /// percentiles where the brief counts films that are made; the scaled relative RMSE of B for
-    /// the goal `field`.
+    /// percentiles where the brief counts films as made; the scaled relative RMSE of B for the goal
+    /// `field`.
     pub error: f64,
     /// Metrics after each stage, in the order of the stages.
     pub stages: Vec<StageMetrics>,

@@ -24,7 +24,7 @@ pub enum Shortfall {
         /// The largest number.
         most: usize,
     },
-    /// The films that are made have no errors.
+    /// The errors of the films as made cannot be computed.
     #[error(
         "samples of the film {}: {}{error}",
         if *found { "found" } else { "before the search" },

@@ -42,8 +42,8 @@ fn refused(design: &str) -> String {
     result.expect_err("there is no such film").to_string()
 }
 
-/// Films that are made with the errors of a workshop: the published film has 0.27 mm along x at the
-/// 95th percentile.
+/// Films as made with the errors of a workshop: the published film has 0.27 mm along x at the 95th
+/// percentile.
 #[test]
 fn films_that_are_made_become_ten_times_better() {
     let design = "vary = [\"size\", \"position\", \"direction\"]\nsymmetry = \"four-fold\"\ngoal = \"displacement\"\n\

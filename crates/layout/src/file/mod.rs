@@ -65,7 +65,7 @@ pub(crate) struct LayoutFile {
     expect: Option<Expectations>,
     /// What `design` may change to improve the film, and its goal.
     design: Option<Brief>,
-    /// The errors of the films that are made from the layout.
+    /// The errors of films as made.
     tolerance: Option<ToleranceTable>,
     /// The sensor below the film.
     sensor: Option<SensorTable>,

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-/// The distribution of an error: how far a quantity of a film that is made is from the one that was
-/// ordered. The default is no error.
+/// The distribution of an error: the difference of a quantity of a film as made from the ordered
+/// one. The default is no error.
 ///
 /// Numbers have the unit of the quantity, as given by its name.
 #[derive(Clone, Debug, PartialEq)]

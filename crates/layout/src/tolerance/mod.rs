@@ -1,4 +1,4 @@
-//! What a film that is made differs by from its layout: errors of tiles, of groups of tiles, and of
+//! The differences of a film as made from its layout: errors of tiles, of groups of tiles, and of
 //! the surroundings.
 
 use std::collections::HashMap;
@@ -31,7 +31,7 @@ mod tile_errors;
 /// Distributions as written.
 mod written;
 
-/// The errors of the films that are made from a layout. The default is none.
+/// The errors of films as made. The default is none.
 ///
 /// # Units
 /// Lengths in millimetres, angles in radians, flux densities in tesla; strengths and gains are

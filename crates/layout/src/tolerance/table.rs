@@ -24,9 +24,8 @@ use crate::tolerance::tabulated::{ErrorTables, Tabulated};
 use crate::tolerance::tile_errors::{ErrorKeys, GivenErrors, replace};
 use crate::tolerance::{CommonErrors, ErrorGroup, FilmPose, FilmTolerance, SensorErrors, TileErrors};
 
-/// The errors of the films that are made from the layout. A plain number is the standard deviation
-/// of normal errors of mean 0; a table gives another distribution. Errors of different tiles, axes
-/// and keys are independent.
+/// The errors of films as made. A plain number is the standard deviation of normal errors of mean
+/// 0; a table gives another distribution. Errors of different tiles, axes and keys are independent.
 #[derive(Default, Deserialize, JsonSchema, Serialize)]
 pub(crate) struct ToleranceTable {
     /// Usual errors of a way to make films. The keys beside it replace its numbers.

@@ -37,7 +37,7 @@ pub(crate) struct DistributionTable {
     within: Option<f64>,
     /// Largest magnitude of errors of equal probability.
     uniform: Option<f64>,
-    /// The error, the same in every film that is made.
+    /// The error, the same in every film as made.
     fixed: Option<f64>,
     /// CSV file of measured errors, relative to the folder of the layout.
     file: Option<String>,

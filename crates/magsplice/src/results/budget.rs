@@ -1,4 +1,4 @@
-//! Where the displacement error of the films that are made comes from.
+//! The causes of the displacement error of films as made.
 
 use magsplice_decouple::{Figures, PerAxis};
 use magsplice_layout::Layout;
@@ -67,8 +67,8 @@ pub struct Improvement {
 }
 
 impl Film {
-    /// Where the displacement error of the films that are made from the layout comes from. So many
-    /// samples, at least one, check the first order, or give the budget where it does not hold.
+    /// The causes of the displacement error of films as made. `samples` exact samples, at least
+    /// one, check the first-order budget, or replace it where it is not valid.
     ///
     /// # Errors
     /// If the layout has no ideal film, no working volume or no errors, or a sample has no

@@ -43,7 +43,7 @@ pub struct CheckedExpectation {
     /// The tile of the value, if it is the worst of all tiles.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tile: Option<String>,
-    /// The percentile of the films that are made; `value` is the limit of it that is compared.
+    /// The percentile of films as made; `value` is its confidence limit, which is compared.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub percentile: Option<CheckedPercentile>,
     /// Time that the evaluation took. The first expectation that needs the field bears its time.
@@ -51,7 +51,7 @@ pub struct CheckedExpectation {
     pub took: Duration,
 }
 
-/// A percentile of the films that are made.
+/// A percentile of films as made.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct CheckedPercentile {
     /// Which percentile.

@@ -6,7 +6,7 @@
 mod assignment;
 /// How fast the field is computed.
 mod bench;
-/// Where the displacement error of films that are made comes from.
+/// The causes of the displacement error of films as made.
 mod budget;
 /// The stiffness of the elastic layer.
 mod calibration;
@@ -41,7 +41,7 @@ mod polynomial;
 mod readings;
 /// The displacements that noise lets a sensor see.
 mod resolution;
-/// Samples of the films that are made, and their statistics.
+/// Samples of films as made, and their statistics.
 mod samples;
 /// A measured scan, fitted.
 mod scan;

@@ -1,4 +1,4 @@
-//! Samples of the films that are made from a layout, and their statistics.
+//! Samples of films as made, and their statistics.
 
 use std::ops::{ControlFlow, Range};
 use std::time::{Duration, Instant};
@@ -82,7 +82,7 @@ impl SampleRun {
 }
 
 impl Film {
-    /// The samples of the films that are made from the layout.
+    /// The samples of films as made.
     ///
     /// # Errors
     /// If the layout has no ideal film, no working volume or no errors.
@@ -94,7 +94,7 @@ impl Film {
 }
 
 impl FilmSampling {
-    /// A sampler of the films that are made.
+    /// A sampler of films as made.
     ///
     /// # Errors
     /// [`FilmError::Sample`] if the figures of the film do not exist.

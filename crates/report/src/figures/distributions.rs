@@ -1,4 +1,4 @@
-//! Errors of the films that are made: histograms and empirical distributions of samples.
+//! Errors of films as made: histograms and empirical distributions of samples.
 
 use magsplice::decouple::{Figure, Figures, Parameter};
 use magsplice::magnet::Axis;

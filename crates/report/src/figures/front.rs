@@ -48,8 +48,8 @@ struct FrontFilm {
     /// Its position on the horizontal axis.
     at: f64,
     /// RMSE along x, y, z in millimetres: of the displacement found from B against the true one, of
-    /// the uniformity divided by k, and the displacement that 95 % of the films that are made do
-    /// not exceed, where they were sampled.
+    /// the uniformity divided by k, and the displacement that 95 % of the films as made do not
+    /// exceed, where they were sampled.
     errors_mm: Vec<[f64; 3]>,
 }
 

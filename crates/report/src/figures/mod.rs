@@ -6,7 +6,7 @@ pub(crate) mod along_axes;
 pub(crate) mod budget;
 /// Faulty tiles, and the resolution of a scan for each.
 pub(crate) mod diagnosis;
-/// Errors of the films that are made.
+/// Errors of films as made.
 pub(crate) mod distributions;
 /// Curves of a film that is moved along each axis.
 pub(crate) mod experiment;

@@ -1,4 +1,4 @@
-//! Faulty tiles of a real film, from a scan of its field.
+//! Faulty tiles of a film as made, from a scan of its field.
 //!
 //! The model is B at the points of the scan: the field of the nominal film and, to first order, the
 //! exact derivatives by every error of every tile. Least squares with prior deviations (ridge

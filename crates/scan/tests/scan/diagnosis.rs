@@ -122,7 +122,7 @@ fn detected_errors_have_their_values() {
         "{turned:?}"
     );
     assert!(!found.is_residual_too_large(), "{}", found.chi_squared / found.degrees_of_freedom as f64);
-    // The found film equals the real film.
+    // The film found equals the film as made.
     for (found, made) in found.tiles.iter().zip(&tiles) {
         assert!(found.position().distance(made.position()) < 0.01);
         assert!(found.scene_polarization_t().distance(made.scene_polarization_t()) < 1e-3);

@@ -80,7 +80,7 @@ pub(super) fn search_result(
     text
 }
 
-/// The errors of real films, before and after the search.
+/// The errors of films as made, before and after the search.
 fn films_made(text: &mut String, made: &MadeFilms, before: &str) {
     let samples = counted(made.samples as usize, "sample", "samples");
     let _ = writeln!(text, "\nRMSE of displacement of real films, mm; {samples}, seed {}", made.seed);

@@ -1,4 +1,4 @@
-//! `magsplice diagnose`: the faulty tiles of a real film.
+//! `magsplice diagnose`: the faulty tiles of a film as made.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

@@ -89,8 +89,7 @@ impl Drawing<'_> {
     }
 }
 
-/// Samples of real films, if the layout has their errors. Appends their statistics
-/// to `text`.
+/// Samples of films as made, if the layout has their errors. Appends their statistics to `text`.
 fn samples(session: &Session, film: &Film, text: &mut String) -> Result<Option<FilmSamples>, Failure> {
     let layout = &*session.layout;
     let Layout { tolerance: Some(stated), ideal: Some(_), volume: Some(_), .. } = layout else { return Ok(None) };

@@ -1,4 +1,4 @@
-//! `magsplice tolerance`: samples of the real films of a layout.
+//! `magsplice tolerance`: samples of films as made.
 
 use std::error::Error;
 use std::ops::ControlFlow;
@@ -207,7 +207,7 @@ pub(super) fn sampling_failure(session: &Session, error: FilmError) -> Failure {
     Failure::at(session.path, message)
 }
 
-/// Refuses a layout without the errors of real films.
+/// Refuses a layout without the errors of films as made.
 pub(super) fn require_errors(session: &Session) -> Result<(), Failure> {
     session.require_film(true, "tolerance", "evaluates the real films of a layout")?;
     if session.layout.tolerance.is_some() {
