@@ -93,8 +93,10 @@ class Film(_magsplice.Film):
     LayoutError
         If the film breaks rules of layouts. All broken rules are in ``error.faults``.
 
-    Notes ----- The error of a field is at most 2e-14 of the sum, over all tiles, of the magnitudes
-    of the fields of the three components of J. All processors are used; the environment variable
+    Notes
+    -----
+    The error of a field is at most 2e-14 of the sum, over all tiles, of the magnitudes of the
+    fields of the three components of J. All processors are used; the environment variable
     RAYON_NUM_THREADS limits them. The interpreter is free for other threads during work, and Ctrl-C
     interrupts it. A method raises MagspliceError if the layout lacks a required table.
 
@@ -284,9 +286,11 @@ class Film(_magsplice.Film):
         ValueError
             If the points have another shape.
 
-        Notes ----- Error of the exact field: at most 2e-14 of the sum over tiles (see
-        `error_bound`). On a face B is the limit from the side of larger x, y or z. A tolerance
-        saves time on grids and with many tiles: docs/accuracy-and-speed.md.
+        Notes
+        -----
+        Error of the exact field: at most 2e-14 of the sum over tiles (see `error_bound`). On a face
+        B is the limit from the side of larger x, y or z. A tolerance saves time on grids and with
+        many tiles: docs/accuracy-and-speed.md.
         """
         return self._field("b", points, within, within_t, invalid)
 
@@ -572,7 +576,7 @@ class Film(_magsplice.Film):
         Raises
         ------
         MagspliceError
-            If a sample has no errors.
+            If the errors of a sample cannot be computed.
         """
         stated = self._sampling
         count = stated[0] if samples is None else whole("samples", samples, 1, _MOST_SAMPLES)
@@ -609,7 +613,7 @@ class Film(_magsplice.Film):
         ValueError
             If `samples` is out of range.
         MagspliceError
-            If a sample has no errors.
+            If the errors of a sample cannot be computed.
         """
         samples = whole("samples", samples, 20, 1_000_000)
         seed = self._sampling[1] if seed is None else whole("seed", seed, 0)

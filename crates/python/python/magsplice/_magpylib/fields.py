@@ -220,10 +220,11 @@ ValueError
     If a cuboid has no dimension or polarization, or sensors have different pixels without
     `pixel_agg`.
 
-Notes ----- On an edge of a cuboid that is not parallel to J, B is unbounded. magpylib and this
-function count 0 for this cuboid there; `Film.b` raises `PointsError`. On edges parallel to J,
-magpylib also counts 0, and this function gives B. On a face B is the limit from the side of larger
-x, y or z.
+Notes
+-----
+On an edge of a cuboid that is not parallel to J, B is unbounded. magpylib and this function count 0
+for this cuboid there; `Film.b` raises `PointsError`. On edges parallel to J, magpylib also counts
+0, and this function gives B. On a face B is the limit from the side of larger x, y or z.
 """,
 )
 
