@@ -56,7 +56,7 @@ pub enum FilmError {
         .0.axis()
     )]
     OnePointPlanes(Parameter),
-    /// A film that is made has no errors.
+    /// The errors of a sample cannot be computed.
     #[error("sample {sample} of [tolerance]: {error}")]
     Sample {
         /// Number of the sample.
@@ -140,7 +140,8 @@ pub enum FilmError {
     /// The displacement of the sensor is no polynomial of the parameters.
     #[error("{0}")]
     Polynomial(#[source] PolynomialError),
-    /// This number of samples cannot break any bound of the percentile with the confidence stated.
+    /// This number of samples is too small to show, with the confidence of the layout, that the
+    /// percentile breaks a bound.
     #[error("{0} samples are too few to test the percentile of [expect.made]: set more samples")]
     TooFewSamples(usize),
 }

@@ -38,7 +38,7 @@ const TOLERANCE_MARGIN: f64 = 0.75;
 /// Most tiles for which [`RecoilEstimate::new`] gives an estimate, so that `check` stays fast.
 const MOST_ESTIMATED_TILES: usize = 1_000;
 
-/// The polarization of a film that agrees with its own field, and the errors of what it changes.
+/// The self-consistent polarization of a film, and its effect with error estimates.
 ///
 /// Clones share the cells.
 #[derive(Clone, Debug)]
@@ -56,8 +56,9 @@ pub struct RecoilSummary {
     pub cells: usize,
     /// Level of division.
     pub level: usize,
-    /// Largest change of B, at points of the working volume. Without one at points of a box around
-    /// all tiles, away from them by its shortest side; nearer to them B changes more.
+    /// Largest change of B, at points of the working volume. Without a working volume, at points
+    /// around the box of all tiles, at a distance of its shortest side; nearer to the tiles B
+    /// changes more.
     pub change_t: f64,
     /// Estimate of the largest error of B at the same points.
     pub error_t: f64,
@@ -86,9 +87,9 @@ pub struct FiguresWithRecoil {
 /// What recoil changes in the figures of a film, to first order and with one cell for each tile.
 ///
 /// # Accuracy
-/// The change of the amplitude is right to tens of percent. Where the fields of the tiles of a
+/// The error of the change of the amplitude is tens of percent. Where the fields of the tiles of a
 /// designed film cancel, the change of an error of the film may be wrong by a factor.
-/// [`crate::Film`] computes it with a stated error.
+/// [`crate::Film`] computes these changes with an error estimate.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct RecoilEstimate {
     /// The permeability of all tiles. `None` for those that the layout states.
@@ -156,7 +157,7 @@ impl FilmRecoil {
         Ok(Some(FilmRecoil { magnetization: Arc::new(refined.magnetization), summary }))
     }
 
-    /// What becomes of each tile.
+    /// The weakening and the turn of each tile.
     pub fn tile_changes(&self) -> Vec<TileChange> {
         self.magnetization.tile_changes()
     }
@@ -169,8 +170,8 @@ impl FilmRecoil {
     }
 }
 
-/// Permeabilities of a layout that states none: those of most rare-earth magnets, and of weak
-/// bonded ones.
+/// Permeabilities assumed for a layout without any: typical values of rare-earth magnets, and of
+/// weak bonded magnets.
 const TRIED_PERMEABILITIES: [f64; 2] = [1.05, 1.2];
 
 impl RecoilEstimate {

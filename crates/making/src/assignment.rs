@@ -109,7 +109,7 @@ pub enum AssignmentError {
         /// The rules that it breaks.
         faults: TileFaults,
     },
-    /// The film has no displacement errors, or a tile of a sample is invalid.
+    /// The displacement errors of the film cannot be computed, or a tile of a sample is invalid.
     #[error("{0}")]
     Film(#[source] SampleError),
     /// There are too many combinations of tiles and places.

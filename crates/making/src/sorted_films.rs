@@ -51,7 +51,8 @@ impl<'a> SortedSampler<'a> {
     /// of one group may be exchanged. Tiles in no group go to the places for which they are cut.
     ///
     /// # Errors
-    /// If the film has no displacement errors, or a part does not fit its places.
+    /// If the displacement errors of the film cannot be computed, or a part does not fit its
+    /// places.
     pub fn new(
         sampler: &'a Sampler<'a>,
         parts: Vec<PlaceGroup>,
@@ -104,7 +105,7 @@ impl<'a> SortedSampler<'a> {
     /// number of threads or on the division into ranges.
     ///
     /// # Errors
-    /// The first sample without errors, by its number, and the reason.
+    /// The first sample whose errors cannot be computed, by its number, and the reason.
     pub fn errors_of_range(&self, samples: Range<u64>) -> Result<Vec<Figures>, (u64, AssignmentError)> {
         let of_sample = |sample| self.errors_of(sample).map_err(|error| (sample, error));
         let results: Vec<Result<Figures, _>> = samples.into_par_iter().map(of_sample).collect();

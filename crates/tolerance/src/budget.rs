@@ -128,7 +128,7 @@ impl Budget {
     /// sample begins.
     ///
     /// # Errors
-    /// The first sample without errors, by its number, and the reason.
+    /// The first sample whose errors cannot be computed, by its number, and the reason.
     pub fn from_samples(
         film: &RealFilm,
         volume: &EvaluationGrid,

@@ -37,7 +37,7 @@ impl EvaluationGrid {
     }
 }
 
-/// Why a sample of a film has no errors.
+/// The reason why the errors of a sample cannot be computed.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum SampleError {

@@ -8,7 +8,7 @@ use crate::first_order::Cause;
 /// Copies the errors of one cause.
 type CopyOne = fn(&CommonErrors, &mut CommonErrors);
 
-/// Each cause that has errors, with a tolerance of these alone.
+/// Each cause that has errors, with a tolerance that contains only these errors.
 pub(crate) fn each_alone(all: &FilmTolerance) -> Vec<(Cause, FilmTolerance)> {
     let mut of_tiles = TileError::ALL.map(Cause::from).to_vec();
     of_tiles.dedup();

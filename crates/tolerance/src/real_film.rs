@@ -141,9 +141,9 @@ impl RealFilm {
     }
 
     /// The tiles of sample number `sample` after placing: `cut`, one for each place, with the
-    /// errors of position and rotation of the places and the errors of groups. From
-    /// [`cut_tiles`](RealFilm::cut_tiles) they are [`sample_tiles`](RealFilm::sample_tiles), but
-    /// for round-off.
+    /// errors of position and rotation of the places and the errors of groups. With the tiles of
+    /// [`cut_tiles`](RealFilm::cut_tiles) the result equals
+    /// [`sample_tiles`](RealFilm::sample_tiles), except for round-off.
     ///
     /// # Errors
     /// The faults of the first tile that cannot exist, such as one without thickness.

@@ -25,8 +25,8 @@ pub struct Sampler<'a> {
     points: Vec<DVec3>,
     /// The field of the neighbour at each point.
     neighbour_t: Vec<DVec3>,
-    /// The field of the film beside the field of its tiles, and its gradient, at each point; empty
-    /// without recoil.
+    /// The part of the film's field that the mean polarizations of its tiles do not represent, and
+    /// its gradient, at each point; empty without recoil.
     remainder_t: Vec<(DVec3, DMat3)>,
 }
 
@@ -139,7 +139,7 @@ impl<'a> Sampler<'a> {
     /// any thread, when a sample begins.
     ///
     /// # Errors
-    /// The first sample without errors, by its number, and the reason.
+    /// The first sample whose errors cannot be computed, by its number, and the reason.
     pub fn errors_of_range(
         &self,
         samples: Range<u64>,

@@ -6,8 +6,9 @@ use magsplice_magnet::{Tile, TileFaults};
 
 /// How the tiles of a film with a recoil permeability weaken and turn, each at its place.
 ///
-/// A placed tile is weakened and turned by the factor and the rotation of the ordered one. Its
-/// effect on other tiles is neglected: a share of its change of the order of the susceptibility.
+/// A placed tile is weakened and turned by the factor and the rotation of the ordered one. The
+/// effect of its change on other tiles is neglected; relative to the change it is of the order of
+/// the susceptibility.
 #[derive(Clone, Debug)]
 pub struct Weakening {
     /// For each place: J of the tile as ordered, and its mean in the film, in the frame of the

@@ -29,7 +29,7 @@ impl FluxUnitArg {
     }
 }
 
-/// Largest noise: that of a sensor which sees nothing of any permanent magnet.
+/// Largest noise: with this noise a sensor cannot detect any permanent magnet.
 const MAX_NOISE_T: f64 = 1.0;
 
 pub(crate) fn noise(text: &str) -> Result<Noise, String> {

@@ -32,7 +32,7 @@ pub struct FilmAssignment {
     pub spares: usize,
     /// RMS displacement error of the film as ordered.
     pub ordered_rms_mm: f64,
-    /// The same of the tiles in the order in which they were given.
+    /// RMS displacement error of the tiles in the given order.
     pub in_order_rms_mm: f64,
     /// The same of the tiles as assigned.
     pub rms_mm: f64,

@@ -25,7 +25,7 @@ const SHORTEST_SAMPLE: Duration = Duration::from_millis(5);
 /// Largest number of evaluations in one sample.
 const MAX_REPEATS: f64 = 1e4;
 
-/// Numbers of rounds: the fewest of which a median says something, and the most that improve it.
+/// Numbers of rounds: the fewest for a meaningful median, and the most that still improve it.
 const ROUNDS: [usize; 2] = [3, 201];
 
 /// Times of the field of a film.

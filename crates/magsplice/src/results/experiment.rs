@@ -43,8 +43,8 @@ impl Film {
     /// step, and the displacements that these readings give. The sensor stays in the working
     /// volume.
     ///
-    /// `seed` is that of the noise; without it the readings have none. `real` is the field of the
-    /// film that is there, where it is not the one of the layout.
+    /// `seed` is the seed of the noise; without it the readings have no noise. `real` is the field
+    /// of the film as made, if it differs from the film of the layout.
     ///
     /// # Errors
     /// If the layout has no working volume, a step is not above 0 or makes more than 100 000 steps,

@@ -14,9 +14,10 @@ use crate::stage::Stage;
 /// Levels of division of tiles with a recoil permeability: 8 and 27 cells for a compact tile.
 const RECOIL_LEVELS: [usize; 2] = [2, 3];
 
-/// Error of forces at the higher level over what the levels are apart. In five or six tiles of
-/// three films, with permeabilities of 1.05 and 1.2, levels 7 to 10 are 0.9 to 1.7 times as far
-/// from it, and the limit probably up to 2.2 times (docs/recoil.md).
+/// Error of the forces at the higher level, relative to the difference between the two levels. In
+/// five or six tiles of three films, with permeabilities of 1.05 and 1.2, levels 7 to 10 differ
+/// from the higher level by 0.9 to 1.7 times this difference, and the limit probably by up to 2.2
+/// times (docs/recoil.md).
 const ERROR_OF_DIFFERENCE: f64 = 3.0;
 
 /// From the unit of [`Load`](magsplice_force::Load) with lengths in mm to N, and to N mm.

@@ -25,8 +25,9 @@ pub enum AtRest<'r> {
     /// It is at the reference point. Its readings contain this besides the field of the film, in
     /// tesla.
     Constant(DVec3),
-    /// It is at the reference point, where it had these readings, one at least, in tesla. What
-    /// their mean has beyond the field of the film is in all readings.
+    /// The sensor at rest is at the reference point and had these readings (at least one), in
+    /// tesla. The difference of their mean from the field of the film is subtracted from all
+    /// readings.
     Zero(&'r [DVec3]),
     /// It is where it had these readings, one at least, in tesla. Nothing is added to the field of
     /// the film.

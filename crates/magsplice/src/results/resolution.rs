@@ -11,8 +11,8 @@ use crate::film::Film;
 use crate::film_error::FilmError;
 use crate::stage::Stage;
 
-/// Standard deviations of displacements at points, for one reading. They are infinite where nothing
-/// is seen. Values by point are in [`FilmResolution::table`].
+/// Standard deviations of displacements at points, for one reading. They are infinite where no
+/// displacement can be resolved. Values by point are in [`FilmResolution::table`].
 #[derive(Clone, Debug, Serialize)]
 pub struct FilmResolution {
     /// The film.

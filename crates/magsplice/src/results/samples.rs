@@ -20,7 +20,7 @@ const STRETCH: Duration = Duration::from_millis(200);
 /// Largest number of samples of a stretch.
 const LONGEST_STRETCH: u64 = 1 << 16;
 
-/// A run of samples: what they are samples of, and their numbers.
+/// A run of samples: the hash of the sampled film, the seed, and the numbers of the samples.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SampleRun {
     /// Hash of all that determines a sample besides the seed; see
@@ -156,8 +156,8 @@ impl FilmSampling {
     }
 }
 
-/// Evaluates samples in stretches of a fifth of a second. The first has one sample for each of so
-/// many threads. `keep` takes each stretch, and may end the run.
+/// Evaluates samples in stretches of a fifth of a second. The first stretch has one sample for each
+/// thread. `keep` takes each stretch, and may end the run.
 ///
 /// # Errors
 /// Those of `evaluate` and of `keep`.

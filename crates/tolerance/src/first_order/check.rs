@@ -109,7 +109,7 @@ impl FirstOrder {
     /// `progress` is called, from any thread, when a sample begins.
     ///
     /// # Errors
-    /// The first sample without errors, by its number, and the reason.
+    /// The first sample whose errors cannot be computed, by its number, and the reason.
     ///
     /// # Panics
     /// If there are fewer than two samples, or the sampler has other points.

@@ -36,7 +36,7 @@ pub(crate) fn search(problem: &DesignProblem, quiet: bool) -> Result<SearchResul
 /// Searches that take longer than this are announced with their size.
 const LONG: Duration = Duration::from_secs(10);
 
-/// Tells the size of a long search and how long it will take.
+/// Prints the size of a long search and an estimate of its time.
 fn announce(estimate: &SearchEstimate) {
     let SearchEstimate { tiles, variables, starts, step, total } = *estimate;
     if total >= LONG {
