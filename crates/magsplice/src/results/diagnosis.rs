@@ -74,7 +74,8 @@ pub struct FaultyTile {
     pub components: BTreeMap<TileError, [f64; 2]>,
     /// Rise of `chi_squared` without it.
     pub chi_squared: f64,
-    /// Natural logarithm of the probability that chance gives as much for one error.
+    /// Natural logarithm of the probability that chance alone changes `chi_squared` as much, for
+    /// one error.
     pub ln_probability: f64,
     /// Errors that explain the readings nearly as well in its place, the best first.
     pub alternatives: Vec<Suspect>,
@@ -132,10 +133,10 @@ impl Film {
     }
 
     /// The errors of tiles that a scan shows: `readings_t` of the sensor of the layout at points in
-    /// millimetres. Its plates count as points there. `noise` is that of the readings; without it,
-    /// that of the sensor. Expected errors are those that the layout states of tiles and groups.
-    /// Recoil adds to the field what it adds to the film as ordered: what it changes with a faulty
-    /// tile is neglected.
+    /// millimetres. Its plates count as points there. `noise` is the noise of the readings, by
+    /// default the noise of the sensor. Expected errors are the errors of tiles and groups in the
+    /// layout. Recoil adds the same field as in the film as ordered: its change by a faulty tile is
+    /// neglected.
     ///
     /// # Errors
     /// [`FilmError::NoNoise`] if the noise is not known; [`FilmError::Points`] for points without a
@@ -250,9 +251,9 @@ impl FilmDiagnosis {
         of_tile.map(NarrowedError::ratio).fold(0.0, f64::max)
     }
 
-    /// The film that was found, as a layout. Requirements and the brief are those of the film as
-    /// ordered, and are left out; so are the errors of its tiles, which are now known. `scan` is
-    /// the name of the scan, and `program` who diagnosed, in the history.
+    /// The film that was found, as a layout. `[expect]` and `[design]` belong to the film as
+    /// ordered and are omitted; so are the errors of its tiles, which are now known. The history
+    /// contains `scan`, the name of the scan, and `program`, the name of the program.
     pub fn found_layout(&self, original: &Layout, scan: &str, program: &str) -> Layout {
         let mut layout = original.clone().with_made_tiles(&self.diagnosis.tiles);
         layout.tolerance =
