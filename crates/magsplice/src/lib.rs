@@ -7,7 +7,7 @@
 //! * [`field`]: the field of tiles, exact or to a tolerance.
 //! * [`pair`]: the mean field of one tile in another, and their force and torque.
 //! * [`force`]: force and torque of tiles on each other, and the order in which to place them.
-//! * [`recoil`]: tiles that weaken and turn each other.
+//! * [`recoil`]: how the field of the tiles changes their polarization.
 //! * [`decouple`]: decoupling parameters and their errors.
 //! * [`sensor`]: positions of a sensor from what it reads.
 //! * [`layout`]: layout files.

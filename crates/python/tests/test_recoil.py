@@ -1,4 +1,4 @@
-"""Tiles that weaken and turn each other."""
+"""Tiles whose polarization follows the field."""
 
 import json
 import time

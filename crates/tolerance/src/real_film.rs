@@ -51,7 +51,7 @@ impl RealFilm {
         RealFilm { tiles: tiles.to_vec(), tolerance: tolerance.clone(), centre_mm, weakening: None }
     }
 
-    /// The same film of tiles that weaken and turn each other.
+    /// The same film with recoil: its tiles weaken and turn in the field of all tiles.
     ///
     /// # Panics
     /// If there are not as many places as tiles.

@@ -30,7 +30,7 @@ Film.compare, Film.decouple
 Film.check
     Expectations of the layout, and whether the film meets them.
 Film.recoil
-    Tiles that weaken and turn each other.
+    How the field of the tiles changes their polarization.
 Film.tolerance, Film.budget
     Films as made, on one machine or on a cluster, and the causes of their error.
 Film.forces

@@ -1,4 +1,4 @@
-"""The effect of recoil in a film: tiles that weaken and turn each other."""
+"""Recoil: how the field of the tiles of a film changes their polarization."""
 
 from __future__ import annotations
 
