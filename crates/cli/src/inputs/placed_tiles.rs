@@ -12,10 +12,16 @@ use crate::csv_input::rows::{Cells, Form, Rows};
 use crate::failure::Failure;
 use crate::units::COLUMN_ANGLES;
 
+/// Names of the columns of a plan, as `assign --plan` writes them.
+pub(crate) const PLAN_COLUMNS: [&str; 9] =
+    ["place", "tile", "x_mm", "y_mm", "z_mm", "up", "mark", "mark_deg", "placed"];
+
 const FORM: Form = Form { rows: "", most: usize::MAX, too_many: "" };
 
 const PLACE: Group<1> = text("place", &["place"]);
 const TILE: Group<1> = text("tile", &["tile"]);
+/// Whether the tile is placed. Plans of earlier versions have it in `laid`.
+const PLACED: Group<1> = text("placed", &["placed", "laid"]);
 /// The axis of the mark is in a column `mark`, which follows from the side that is up.
 const MARK: Group<1> = Group { name: "direction of the mark", columns: [&["mark"]], units: &COLUMN_ANGLES };
 
@@ -28,11 +34,16 @@ struct Columns {
     placed: Option<Column>,
 }
 
-/// Reads which of the tiles of `groups` lie in the film of a layout. The failure lists all rows
-/// that break rules.
-pub(crate) fn read(path: &Path, layout: &Layout, groups: &[PlaceGroup]) -> Result<PartlyPlaced, Failure> {
+/// Reads which of the tiles of `groups` lie in the film of a layout, and the names of columns that
+/// were not read. The failure lists all rows that break rules.
+pub(crate) fn read(
+    path: &Path,
+    layout: &Layout,
+    groups: &[PlaceGroup],
+) -> Result<(PartlyPlaced, Vec<String>), Failure> {
     let has_names = |names: &[String]| PLACE.is_among(names) && TILE.is_among(names);
     let rows = Rows::open(path, FORM, "place,tile,x_mm,y_mm,z_mm,up,mark_deg", has_names, columns)?;
+    let ignored = rows.ignored.iter().filter(|name| !PLAN_COLUMNS.contains(&name.as_str())).cloned().collect();
     let mut placement = Placement::new(layout, groups);
     rows.read_all(|columns, cells| {
         match columns.placed.map_or("yes".to_owned(), |column| cells.text(column).to_lowercase()).as_str() {
@@ -42,12 +53,12 @@ pub(crate) fn read(path: &Path, layout: &Layout, groups: &[PlaceGroup]) -> Resul
         }
         Some(())
     })?;
-    Ok(placement.finish())
+    Ok((placement.finish(), ignored))
 }
 
 fn columns(finder: &mut Finder) -> Option<Columns> {
     let (place, tile) = (finder.column(&PLACE), finder.column(&TILE));
-    let (up, placed) = (finder.column(&text("up", &["up"])), finder.column(&text("placed", &["placed"])));
+    let (up, placed) = (finder.column(&text("up", &["up"])), finder.column(&PLACED));
     let position = finder.group(&POSITION, None);
     let mark = finder.column(&MARK);
     let needed = [(place, "place: place"), (tile, "tile: tile"), (mark, "direction of the mark: mark_deg")];

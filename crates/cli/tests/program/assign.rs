@@ -188,6 +188,38 @@ fn film_whose_tiles_are_all_placed_is_evaluated() {
     assert!((rms(&after) / rms(&before) - 1.0).abs() < 1e-6, "{after} instead of {before}");
 }
 
+/// A column that is not read may decide which tiles are placed.
+#[test]
+fn columns_of_a_plan_that_are_not_read_are_named() {
+    let sandbox = Sandbox::new();
+    let film = shipped("designed-stock");
+    write_box(&sandbox, &boxed(&sandbox, &film, 1));
+    assigned(&sandbox, &film, &[]);
+    let plan = sandbox.read("plan.csv");
+    let said_of = |names: &str| {
+        sandbox.write("placed.csv", &plan.replacen(",placed\n", names, 1).replace(",no\n", ",no,2\n"));
+        let said = sandbox.run(
+            &[
+                &["assign", &film, "--measured", "tiles.csv", "--placed", "placed.csv", "--starts", "1"][..],
+                &["-o", "assigned.toml", "--format", "json"],
+            ]
+            .concat(),
+        );
+        assert_eq!(said.status, 0, "{}", said.stderr);
+        let found: Value = serde_json::from_str(&said.stdout).expect("JSON");
+        let placed =
+            found["plan"].as_array().expect("a plan").iter().filter(|row| row["is_placed"] == Value::Bool(true));
+        (placed.count(), said.stderr)
+    };
+    let (placed, said) = said_of(",placed,glued\n");
+    assert!(placed == 0 && said.contains("placed.csv: columns that were not read: glued\n"), "{placed}: {said}");
+    // Of earlier versions.
+    let (placed, said) = said_of(",laid,placed_on\n");
+    assert!(placed == 0 && said.contains("columns that were not read: placed_on\n"), "{placed}: {said}");
+    let (placed, said) = said_of(",fixed,glued\n");
+    assert!(placed == 56 && said.contains("columns that were not read: fixed, glued\n"), "{placed}: {said}");
+}
+
 /// Tiles that are larger than ordered are written as measured; the layout allows their overlap.
 #[test]
 fn measured_sides_are_those_of_the_film() {

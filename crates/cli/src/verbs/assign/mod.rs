@@ -102,9 +102,9 @@ pub(crate) fn run(args: &AssignArgs, quiet: bool) -> Result<(), Failure> {
     let measured = measured_tiles::read(&args.measured, &session.layout)?;
     let mut groups = measured.groups;
     let shims = shims(args, &session.layout, &mut groups)?;
-    let partly = match &args.placed {
+    let (partly, ignored) = match &args.placed {
         Some(path) => placed_tiles::read(path, &session.layout, &groups)?,
-        None => PartlyPlaced { film: session.layout.bare_tiles(), groups, plan: Vec::new() },
+        None => (PartlyPlaced { film: session.layout.bare_tiles(), groups, plan: Vec::new() }, Vec::new()),
     };
     session.require_film(true, "assign", "places tiles so that a film decouples best")?;
     let film = session.film()?;
@@ -132,9 +132,10 @@ pub(crate) fn run(args: &AssignArgs, quiet: bool) -> Result<(), Failure> {
             file.write(Ok(drawn))?;
         }
     }
-    if !measured.ignored.is_empty() {
-        let ignored = measured.ignored.join(", ");
-        session.tell(&format!("{}: columns that were not read: {ignored}", args.measured.display()));
+    for (path, ignored) in [(Some(&args.measured), measured.ignored), (args.placed.as_ref(), ignored)] {
+        if let Some(path) = path.filter(|_| !ignored.is_empty()) {
+            session.tell(&format!("{}: columns that were not read: {}", path.display(), ignored.join(", ")));
+        }
     }
     let summary = args.format.shown(&found, || text::summary(&film, &found, args.output.as_deref()));
     if to_file {

@@ -8,6 +8,7 @@ use magsplice::Film;
 use magsplice::making::PlanRow;
 use magsplice::results::{FilmAssignment, twelve_digits};
 
+use crate::inputs::placed_tiles::PLAN_COLUMNS;
 use crate::text::number::{counted, number};
 use crate::text::{header, rows};
 
@@ -64,9 +65,6 @@ fn row(row: &PlanRow) -> [String; 6] {
     ]
 }
 
-/// Names of the columns of a plan.
-const COLUMNS: [&str; 9] = ["place", "tile", "x_mm", "y_mm", "z_mm", "up", "mark", "mark_deg", "placed"];
-
 /// The plan as CSV, which `--placed` reads.
 pub(super) fn plan_csv(rows: &[PlanRow]) -> String {
     let cells = |row: &PlanRow| {
@@ -76,5 +74,5 @@ pub(super) fn plan_csv(rows: &[PlanRow]) -> String {
         cells.push(if row.is_placed { "yes" } else { "no" }.to_owned());
         cells
     };
-    rows::csv(iter::once(COLUMNS.map(str::to_owned).to_vec()).chain(rows.iter().map(cells)))
+    rows::csv(iter::once(PLAN_COLUMNS.map(str::to_owned).to_vec()).chain(rows.iter().map(cells)))
 }
