@@ -2,7 +2,7 @@
 
 use glam::{DQuat, DVec3};
 use magsplice_ideal::IdealFilm;
-use magsplice_layout::{Layout, NamedTile, WorkingVolume};
+use magsplice_layout::{Brief, FilmTolerance, Layout, LayoutError, NamedTile, TileForm, WorkingVolume};
 use magsplice_magnet::Tile;
 
 const WRITTEN: &str = "format = 1\nname = \"film\"\n\
@@ -53,6 +53,22 @@ fn broken_rules_of_parts_are_named() {
         ]
     );
     assert!(Layout::default().checked("nothing").is_err_and(|error| error.to_string().contains("has no tiles")));
+}
+
+/// The integers of TOML have a sign.
+#[test]
+fn seeds_that_no_file_can_express_are_refused() {
+    let read = Layout::parse(WRITTEN, "film").unwrap_or_else(|e| panic!("{e}"));
+    let seeded = |seed| Layout { brief: Some(Brief { seed, ..Brief::default() }), ..read.clone() };
+    let refused = |found: Result<(), LayoutError>| found.expect_err("a seed that is too large").to_string();
+    let large = seeded(1 << 63);
+    let message = "made: [design]: seed = 9223372036854775808, must be at most 9223372036854775807";
+    assert_eq!(refused(large.checked("made").map(|_| ())), message);
+    assert_eq!(refused(large.to_edited_toml(TileForm::Compact, "", "made").map(|_| ())), message);
+    let tolerance = FilmTolerance { seed: u64::MAX, ..FilmTolerance::default() };
+    let both = Layout { tolerance: Some(tolerance), ..large };
+    assert_eq!(refused(both.checked("made").map(|_| ())).lines().count(), 2);
+    assert!(!refused(seeded(i64::MAX as u64).checked("made").map(|_| ())).contains("seed"));
 }
 
 #[test]

@@ -44,6 +44,7 @@ impl Layout {
         folder: impl AsRef<Path>,
         origin: &str,
     ) -> Result<String, LayoutError> {
+        self.check_seeds(origin)?;
         let read = |text: &str, folder: &Path| Layout::parse_beside(text, origin, folder);
         let before = self.file.as_ref().and_then(|file| Some((file, read(&file.text, &file.folder).ok()?)));
         let has_same_tiles = before.as_ref().is_some_and(|(_, before)| before.tiles == self.tiles);

@@ -101,7 +101,7 @@ impl Layout {
     ///
     /// # Errors
     /// [`LayoutError::Invalid`] with every broken rule. Faults have the lines of
-    /// [`Layout::to_toml`].
+    /// [`Layout::to_toml`]. A seed above `i64::MAX` is reported alone.
     ///
     /// # Example
     /// ```
@@ -115,7 +115,23 @@ impl Layout {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn checked(&self, origin: &str) -> Result<Layout, LayoutError> {
+        self.check_seeds(origin)?;
         Layout::parse(&self.to_toml(), origin).map(|layout| Layout { file: None, ..layout })
+    }
+
+    /// Refuses seeds that no layout file can express: the integers of TOML have a sign.
+    pub(super) fn check_seeds(&self, origin: &str) -> Result<(), LayoutError> {
+        let seeds = [
+            ("[design]", self.brief.as_ref().map(|brief| brief.seed)),
+            ("[tolerance]", self.tolerance.as_ref().map(|tolerance| tolerance.seed)),
+        ];
+        let fault = |(table, seed): (&str, Option<u64>)| {
+            let seed = seed.filter(|seed| i64::try_from(*seed).is_err())?;
+            let message = format!("seed = {seed}, must be at most {}", i64::MAX);
+            Some(LayoutFault { line: None, place: table.to_owned(), message })
+        };
+        let faults: Vec<LayoutFault> = seeds.into_iter().filter_map(fault).collect();
+        if faults.is_empty() { Ok(()) } else { Err(LayoutError::Invalid { origin: origin.to_owned(), faults }) }
     }
 }
 
