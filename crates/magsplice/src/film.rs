@@ -85,14 +85,14 @@ impl Film {
     }
 
     /// Prepares the tiles of a layout. `progress` receives the progress of this and all later work,
-    /// see [`Film::telling`].
+    /// see [`Film::reporting_to`].
     ///
     /// # Errors
     /// As [`Film::new`].
     pub fn with_progress(layout: impl Into<Arc<Layout>>, progress: Arc<dyn Progress>) -> Result<Film, FilmError> {
         let layout = layout.into();
         let recoil = FilmRecoil::new(&layout, &*progress)?;
-        Ok(Film::with_recoil(layout, recoil).telling(progress))
+        Ok(Film::with_recoil(layout, recoil).reporting_to(progress))
     }
 
     /// The film whose tiles have the polarization that an earlier film found, see [`Film::recoil`].
@@ -124,7 +124,7 @@ impl Film {
 
     /// The same film, which reports its progress between parts of its work, from any thread. A
     /// panic of `progress` ends the work and reaches the caller, who can interrupt the work so.
-    pub fn telling(self, progress: Arc<dyn Progress>) -> Film {
+    pub fn reporting_to(self, progress: Arc<dyn Progress>) -> Film {
         Film { progress: Some(progress), ..self }
     }
 

@@ -256,6 +256,6 @@ pub(crate) fn run<T: Send>(
     work: impl FnOnce(magsplice::Film) -> Result<T, FilmError> + Send,
 ) -> PyResult<T> {
     let interruption = Arc::new(Interruption::default());
-    let film = film.telling(interruption.clone());
+    let film = film.reporting_to(interruption.clone());
     interruption.run(py, || work(film))?.map_err(of_film)
 }
