@@ -129,8 +129,10 @@ fn encoded(pixels: &Pixmap) -> Result<Vec<u8>, DrawError> {
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_pixel_dims(Some(png::PixelDimensions { xppu: per_metre, yppu: per_metre, unit: png::Unit::Meter }));
     // Figures are drawn on white paper, so every pixel is opaque.
-    let colours: Vec<u8> =
-        pixels.pixels().iter().flat_map(|pixel| [pixel.red(), pixel.green(), pixel.blue()]).collect();
+    let mut colours = Vec::with_capacity(3 * pixels.pixels().len());
+    for pixel in pixels.pixels() {
+        colours.extend_from_slice(&[pixel.red(), pixel.green(), pixel.blue()]);
+    }
     encoder.write_header()?.write_image_data(&colours)?;
     Ok(file)
 }
