@@ -5,7 +5,7 @@
 //! 130 digits, enough remain for any binary64 input used here. The oracle shares no code and no
 //! rearrangement with the library.
 
-use astro_float::{BigFloat, Consts, RoundingMode};
+use astro_float_num::{BigFloat, Consts, RoundingMode};
 use glam::{DMat3, DQuat, DVec3};
 use magsplice_field::Tile;
 
