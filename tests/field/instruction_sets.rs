@@ -241,13 +241,7 @@ fn random_tiles_at_all_distances() {
 
 #[test]
 fn missing_instruction_sets_are_refused() {
-    let all = [
-        InstructionSet::Avx512,
-        InstructionSet::Avx2,
-        InstructionSet::Sse4,
-        InstructionSet::Sse2,
-        InstructionSet::Neon,
-    ];
+    let all = [InstructionSet::Avx512, InstructionSet::Avx2, InstructionSet::Sse2, InstructionSet::Neon];
     let available = InstructionSet::available();
     assert!(!available.is_empty());
     for set in all {

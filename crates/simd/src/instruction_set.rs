@@ -16,8 +16,6 @@ pub enum InstructionSet {
     Avx512,
     /// x86-64, four doubles, fused multiply-add.
     Avx2,
-    /// x86-64, two doubles.
-    Sse4,
     /// x86-64, two doubles; every such processor has it.
     Sse2,
     /// Arm, two doubles; every 64-bit processor has it.
@@ -29,10 +27,10 @@ pub enum InstructionSet {
 impl InstructionSet {
     /// All sets of this processor, the best first.
     pub fn available() -> Vec<InstructionSet> {
-        use InstructionSet::{Avx2, Avx512, Baseline, Neon, Sse2, Sse4};
+        use InstructionSet::{Avx2, Avx512, Baseline, Neon, Sse2};
         let level = Level::new();
         let mut sets: Vec<InstructionSet> =
-            [Avx512, Avx2, Sse4, Sse2, Neon].into_iter().filter(|set| set.level(level).is_some()).collect();
+            [Avx512, Avx2, Sse2, Neon].into_iter().filter(|set| set.level(level).is_some()).collect();
         if sets.is_empty() {
             sets.push(Baseline);
         }
@@ -45,7 +43,6 @@ impl InstructionSet {
         match self {
             InstructionSet::Avx512 => best.as_avx512().map(Level::Avx512),
             InstructionSet::Avx2 => best.as_avx2().map(Level::Avx2),
-            InstructionSet::Sse4 => best.as_sse4_2().map(Level::Sse4_2),
             InstructionSet::Sse2 => best.as_sse2().map(Level::Sse2),
             InstructionSet::Neon => None,
             InstructionSet::Baseline => Some(Level::baseline()),
