@@ -51,9 +51,9 @@ const PAIRS_BETWEEN_CALLS: usize = 1 << 24;
 ///
 /// # Recoil
 /// Tiles with a recoil permeability above 1 are divided into cells whose polarization agrees with
-/// the field of all of them. The division is refined until B is known to the stated share of what
-/// recoil changes in it, `recoil_error` of `[material]`, at points of the working volume, or around
-/// the tiles of a layout without one. [`Film::recoil`] tells what was found.
+/// the field of all of them. The division is refined until the error of B is at most the fraction
+/// `recoil_error` of `[material]` of the change of B by recoil, at points of the working volume or,
+/// in a layout without one, around the tiles. [`Film::recoil`] returns the result.
 ///
 /// Clones share the layout, the prepared tiles and the field of the working volume.
 #[derive(Clone)]
@@ -123,7 +123,8 @@ impl Film {
     }
 
     /// The same film, which reports its progress between parts of its work, from any thread. A
-    /// panic of `progress` ends the work and reaches the caller, who can interrupt the work so.
+    /// panic in `progress` ends the work and propagates to the caller: this is the way to interrupt
+    /// the work.
     pub fn reporting_to(self, progress: Arc<dyn Progress>) -> Film {
         Film { progress: Some(progress), ..self }
     }
@@ -167,12 +168,12 @@ impl Film {
         self.layout.ideal.as_ref().ok_or(FilmError::Missing("ideal"))
     }
 
-    /// The film with the errors of those that are made from the layout.
+    /// The film with the random errors of films as made.
     ///
-    /// Tiles with a recoil permeability weaken and turn as those without errors do. What the mean
-    /// polarization of each leaves out of the field is the same in all films. How the errors of one
-    /// tile change the polarization of the others is neglected: it is of the order of the
-    /// susceptibility times the errors.
+    /// Tiles with a recoil permeability weaken and turn as the tiles without errors do. The part of
+    /// the field that the mean polarizations do not represent is the same in all films. The effect
+    /// of the errors of one tile on the polarization of the others is neglected: it is of the order
+    /// of the susceptibility times the errors.
     ///
     /// # Errors
     /// If the layout states no errors.
@@ -181,8 +182,8 @@ impl Film {
         Ok(self.weakened(RealFilm::new(&self.layout.bare_tiles(), tolerance)))
     }
 
-    /// A film of other tiles at the places of this one, which weaken and turn as those of this one
-    /// do.
+    /// A film with other tiles at the places of this film. Its tiles weaken and turn as the tiles
+    /// of this film do.
     ///
     /// # Panics
     /// If it does not have as many tiles.
@@ -193,8 +194,8 @@ impl Film {
         film.with_weakening(Weakening::new(&self.layout.bare_tiles(), &solution.mean_tiles(), remainder))
     }
 
-    /// What the sensor of the layout reads of the film when it moves in the volume that a grid
-    /// spans. Without `[sensor]` in the layout it is a perfect one.
+    /// The field of the film as read by the sensor of the layout, in the volume spanned by a grid.
+    /// Without `[sensor]` in the layout the sensor is perfect.
     ///
     /// # Errors
     /// [`FilmError::Sensor`] if the field changes too much over the active area.
