@@ -13,7 +13,7 @@ pub(crate) struct AccuracyArgs {
     ///
     /// Without it the field is exact up to round-off. With it the program chooses the cheapest
     /// method that keeps the tolerance at every point; where no method keeps it, the program lists
-    /// the points. This may be faster where many points lie away from the tiles; `magsplice plan`
+    /// the points. A tolerance saves time if many points lie away from the tiles; `magsplice plan`
     /// shows where. J and the gradient are always exact.
     #[arg(long, value_name = "TOLERANCE", value_parser = tolerance, allow_hyphen_values = true)]
     within: Option<Tolerance>,

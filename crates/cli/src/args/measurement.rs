@@ -9,7 +9,7 @@ use super::numbers::{angle_rad, fraction, length_mm};
 
 /// Errors of the measurements of tiles.
 #[derive(Args)]
-#[command(next_help_heading = "Standard deviations of the errors of the measurements of tiles")]
+#[command(next_help_heading = "Standard deviations of the measurement errors of tiles")]
 pub(crate) struct MeasurementArgs {
     /// Error of the strength, such as 0.5%
     #[arg(long, value_name = "FRACTION", value_parser = strength)]

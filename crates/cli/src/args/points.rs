@@ -10,11 +10,11 @@ pub(crate) struct PointsArgs {
     /// grid of the working volume]
     ///
     /// Columns are separated by commas, semicolons, tabs or spaces. With semicolons or tabs a
-    /// number may have a decimal comma. Lines that begin with # are comments; the names may stand
-    /// in one, as numpy.savetxt writes them. Other columns are ignored.
+    /// number may have a decimal comma. Lines that begin with # are comments; the column names may
+    /// be in a comment, as numpy.savetxt writes them. Other columns are ignored.
     #[arg(id = "points", long = "points", value_name = "CSV")]
     pub(crate) file: Option<PathBuf>,
-    /// Unit of columns x, y, z without a unit in their names; the names are still needed
+    /// Unit of columns named x, y, z without a unit; the line of column names is still required
     #[arg(long, value_enum, value_name = "UNIT", requires = "points")]
     pub(crate) unit: Option<LengthUnitArg>,
 }

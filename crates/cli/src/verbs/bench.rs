@@ -21,10 +21,10 @@ use crate::text::units::in_ms;
 
 /// Measure how fast the field of a layout is computed on this machine.
 ///
-/// A pair is one tile at one point. Evaluates B of all points exactly and to tolerances of 1e-3,
-/// 1e-6 and 1e-9 of |B|, on one thread and on all. Each round evaluates every case once, so that
-/// other work on the machine slows all cases alike; the result is the median of the rounds, with
-/// the fastest and the slowest round.
+/// Evaluates B at all points, exactly and to tolerances of 1e-3, 1e-6 and 1e-9 of |B|, on one
+/// thread and on all. Speeds are in pairs per second; a pair is one tile at one point. Each round
+/// evaluates every case once, so that other work on the machine slows all cases alike; the result
+/// is the median of the rounds, with the fastest and the slowest round.
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  magsplice bench layouts/published-film.toml")]
 pub(crate) struct BenchArgs {

@@ -22,13 +22,14 @@ use crate::text::rows::{Column, left, right};
 use crate::text::units::in_per_cent;
 use crate::text::{header, rows};
 
-/// Divide the displacement error of real films by its causes.
+/// Split the displacement error of films as made into its causes.
 ///
-/// Divides the expected mean square of the displacement error, along x, y and z, into the splicing
-/// pattern (the same pattern without end, against the ideal film), the end of the film, and each
-/// cause of [tolerance]: of the tiles, of the surroundings, and of the sensor. The division is to
-/// first order, by exact derivatives. Exact samples check it; where they disagree by more than 5 %,
-/// the program reports it and divides by samples of each cause alone.
+/// Splits the expected mean square of the displacement error, along x, y and z, into the splicing
+/// pattern (the same pattern repeated endlessly, against the ideal film), the end of the film, and
+/// each cause of [tolerance]: of the tiles, of the surroundings, and of the sensor. The shares are
+/// computed to first order, with exact derivatives, and checked by exact samples. Where the two
+/// disagree by more than 5 %, the program reports it and computes the shares from samples of each
+/// cause alone.
 #[derive(Args)]
 #[command(after_help = "Example:\n  magsplice budget layouts/robust-in-plane.toml\n  \
     magsplice budget layouts/published-film.toml --preset workshop --figure budget.png")]
@@ -37,7 +38,7 @@ pub(crate) struct BudgetArgs {
     layout: PathBuf,
     #[command(flatten)]
     preset: PresetArgs,
-    /// Number of samples that check the division, or divide
+    /// Number of samples that check the shares, or from which they are computed
     #[arg(long, value_name = "N", default_value = "200", value_parser = clap::value_parser!(u64).range(20..=1_000_000))]
     samples: u64,
     /// Seed of the random numbers [default: the value of [tolerance], else 1]

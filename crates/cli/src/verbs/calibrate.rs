@@ -22,8 +22,8 @@ use crate::text::{header, rows};
 ///
 /// Each row has a force on the film and a reading of the sensor. The displacement of the film is
 /// computed from the reading, by the exact field of the layout and, with [ideal], by the closed
-/// form of the ideal film. For each axis and each direction, a line F = stiffness x displacement +
-/// force at rest is fitted by least squares (Dai 2024, Eqs. 16 and 17): six coefficients, with
+/// form of the ideal film. For each axis, a line F = stiffness x displacement + force at rest is
+/// fitted by least squares (Dai 2024, Eqs. 16 and 17): six coefficients for each method, with
 /// intervals of 95 % confidence.
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  magsplice calibrate forces.csv --layout film.toml --zero 20")]

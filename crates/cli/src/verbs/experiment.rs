@@ -28,9 +28,9 @@ use crate::text::number::counted;
 /// forces (Eqs. 16 and 17), so that `magsplice calibrate` reads it. With [sensor] the readings are
 /// from this sensor.
 ///
-/// The film that is read may differ from the layout: it is bent, then turned about its centre, then
-/// shifted. Its tiles follow as rigid blocks. Displacements count from its apparent position at
-/// rest, as with `read --rest`.
+/// The film of the experiment may differ from the layout: it may be bent, then turned about its
+/// centre, then shifted. Its tiles follow as rigid blocks. Displacements count from its apparent
+/// position at rest, as with `read --rest`.
 #[derive(clap::Args)]
 #[command(
     after_help = "Example:\n  magsplice experiment layouts/published-film.toml -o moved.csv --figure moved.png\n  \
@@ -45,14 +45,14 @@ pub(crate) struct ExperimentArgs {
     /// Add the noise of [sensor] to the readings, with this seed
     #[arg(long, value_name = "SEED")]
     seed: Option<u64>,
-    /// Shift of the film that is read along x, y and z, such as 0.1mm,0,0
+    /// Shift of the film from its place in the layout, along x, y and z, such as 0.1mm,0,0
     #[arg(long, value_name = "LENGTHS", value_parser = lengths_mm, allow_hyphen_values = true)]
     shift: Option<DVec3>,
-    /// Rotation vector of the film that is read: angles about axes parallel to x, y and z, such as
-    /// 0,0.5deg,0
+    /// Rotation vector of the film from its pose in the layout: angles about axes parallel to x, y
+    /// and z, such as 0,0.5deg,0
     #[arg(long, value_name = "ANGLES", value_parser = angles_rad, allow_hyphen_values = true)]
     rotate: Option<DVec3>,
-    /// Radius to which the film is bent; its ends rise from the sensor if it is positive
+    /// Bending radius of the film; with a positive radius its ends rise away from the sensor
     #[arg(long, value_name = "LENGTH", value_parser = length_mm, allow_hyphen_values = true)]
     bend_radius: Option<f64>,
     /// Axis along which the film is bent

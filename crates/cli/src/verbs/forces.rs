@@ -24,14 +24,14 @@ use crate::text::{header, rows};
 
 /// Compute the force and torque on each tile.
 ///
-/// Each tile has the force by all others, and the torque about its own centre. They have a closed
-/// form for tiles with parallel edges, exact to round-off, also where the tiles touch. The
-/// magnetization is rigid: the field of the other tiles does not magnetize a tile.
+/// The result has the force of all other tiles on each tile, and the torque about the tile's
+/// centre. For tiles with parallel edges both have a closed form, exact to round-off, also where
+/// the tiles touch. The magnetization is rigid, unless the layout gives a recoil permeability.
 ///
-/// With --order, tiles are placed one after another, each at its place, where it is glued. The
-/// holding of a step is the magnitude of the force on the tile that is being placed, by the tiles
-/// already there. The holding of an order is the largest of its steps. --order least searches the
-/// order with the least holding, and prints a lower bound for all orders.
+/// With --order, tiles are placed and glued one after another. The holding force of a step is the
+/// magnitude of the force of the placed tiles on the next tile. The holding force of an order is
+/// the largest of its steps. --order least searches for the order with the smallest holding force,
+/// and prints a lower bound for all orders.
 #[derive(Args)]
 #[command(after_help = "Example:\n  magsplice forces layouts/published-film.toml\n  \
     magsplice forces film.toml --order least --figure order.svg --format csv -o order.csv\n  \

@@ -20,11 +20,11 @@ use crate::text::number::counted;
 ///   position       x_mm, y_mm, z_mm: the centre (mm, cm, um, m)
 ///   size           size_x_mm, size_y_mm, size_z_mm: along the block's own axes
 ///   polarization   jx_t, jy_t, jz_t: in the block's own frame (T, mT, uT, nT)
-///   magnetization  mx_a_per_m, my_a_per_m, mz_a_per_m: instead of it (A/m, kA/m)
+///   magnetization  mx_a_per_m, my_a_per_m, mz_a_per_m: instead of the polarization (A/m, kA/m)
 ///   rotation       none, or one of:
 ///                  qx, qy, qz, qw (or quat_x, ...): a quaternion of any norm, qw is the scalar
 ///                  axis_x, axis_y, axis_z, angle_deg
-///                  rx_deg, ry_deg, rz_deg with --euler: by axis; those without a column are 0
+///                  rx_deg, ry_deg, rz_deg with --euler: by axis; missing columns are 0
 ///                  euler_1_deg, euler_2_deg, euler_3_deg with --euler: first to third turn
 ///                  r11, r12, ... r33: a matrix row by row
 ///                  Angles may be in deg or rad.
@@ -46,11 +46,13 @@ pub(crate) struct ImportArgs {
     ///
     /// The columns rx_deg, ry_deg, rz_deg give an angle per axis, and the option gives their order.
     /// The columns euler_1_deg, euler_2_deg, euler_3_deg are the first, second and third turn;
-    /// orders with a letter twice, such as zxz, take these. With --euler zyx, rx_deg = 10, ry_deg =
-    /// 20, rz_deg = 30 is the same as euler_1_deg = 30, euler_2_deg = 20, euler_3_deg = 10.
+    /// orders with a letter twice, such as zxz, need these columns. With --euler zyx, rx_deg = 10,
+    /// ry_deg = 20, rz_deg = 30 is the same as euler_1_deg = 30, euler_2_deg = 20, euler_3_deg =
+    /// 10.
     #[arg(long, value_name = "ORDER", value_parser = order)]
     euler: Option<EulerOrder>,
-    /// Unit of positions and sizes without a unit in their names; the names are still needed
+    /// Unit of positions and sizes whose columns are named without a unit; the line of column names
+    /// is still required
     #[arg(long, value_enum, value_name = "UNIT")]
     unit: Option<LengthUnitArg>,
     /// Name of the layout [default: the name of the file]

@@ -21,11 +21,11 @@ use crate::words::film_failure;
 
 /// Show which methods a tolerance allows, and the truncation error and cost of each.
 ///
-/// The points are the points of `field` with the same options. Costs count multiply-adds, in units
-/// of the exact field of one tile at one point. The program computes an expansion to check whether
-/// it keeps the tolerance, so a plan takes a part of the time of the evaluation. The evaluation
-/// repeats some points more accurately, where the field is too weak for the truncation error; the
-/// plan does not count these points.
+/// --points and --unit select the points as in `magsplice field`. Costs count multiply-adds, in
+/// units of the exact field of one tile at one point. The program computes an expansion to check
+/// whether it keeps the tolerance, so a plan takes a part of the time of the evaluation. The
+/// evaluation repeats some points more accurately, where the field is too weak for the truncation
+/// error; the plan does not count these points.
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  magsplice plan layouts/film-80mm.toml --within 1e-6")]
 pub(crate) struct PlanArgs {

@@ -56,7 +56,7 @@ pub(crate) struct ReadArgs {
     /// The film may then lie elsewhere than in the layout. A constant field moves all positions.
     #[arg(long, value_name = "N", default_value = "0", conflicts_with = "zero")]
     rest: usize,
-    /// Unit of columns bx, by, bz without a unit in their names; the names are still needed
+    /// Unit of columns named bx, by, bz without a unit; the line of column names is still required
     #[arg(long, value_enum, ignore_case = true, value_name = "UNIT")]
     unit: Option<FluxUnitArg>,
     /// File to write, complete or not at all [default: -, standard output]

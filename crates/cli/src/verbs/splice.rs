@@ -12,15 +12,15 @@ use crate::args::numbers::{extents_mm, flux_density_t, interval_mm, length_mm, p
 use crate::failure::Failure;
 use crate::output::destination::Output;
 
-/// Design a film from nothing, for an ideal film of this wavelength.
+/// Design a film for a given wavelength, without a layout to start from.
 ///
 /// Starts from the pattern of Dai 2024, Fig. 5: intervals one third of the wavelength wide about
 /// the crests of the ideal polarization, and one sixth wide about its zeros. Then searches as
 /// `design` does, with sizes, positions and directions free.
 ///
-/// Lengths scale with the wavelength: by default the thickness is 0.1, the range 0.4 and the
-/// distance 0.3 to 0.5 of it, and a film of two wavelengths is as large as the published one. The
-/// film must hold the crests about its middle: it is at least 5/6 of the wavelength long and wide.
+/// Lengths scale with the wavelength: by default the thickness is 0.1 wavelengths, the range 0.4
+/// and the distance 0.3 to 0.5. The published film is two wavelengths long and wide. The film must
+/// contain the crests about its middle, so it must be at least 5/6 of the wavelength long and wide.
 ///
 /// Lengths may have a unit (mm, cm, um, m) and polarizations too (T, mT, uT, nT), such as 0.8cm,
 /// 20mmx20mm, 120mT.

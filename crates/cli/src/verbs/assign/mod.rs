@@ -34,12 +34,13 @@ mod text;
 /// its polarization (jx_t, jy_t, jz_t), magnetization (mx_a_per_m, ...), moment (moment_x_a_m2,
 /// ...) or strength (strength_t, with or without direction_deg and tilt_deg). Axes are the axes of
 /// the part: x along its first side, y along its second, z up. Measured sides are in size_x_mm,
-/// size_y_mm, size_z_mm. Tiles beyond the places are spares.
+/// size_y_mm, size_z_mm. Tiles in excess of the places are spares.
 ///
 /// The tiles are placed so that the displacement error of the film is least: local searches from
 /// many starts, by the exact derivatives and then the exact field. The result is a layout with the
-/// measured tiles, and a plan: for each place the tile, the side that is up, and where its mark
-/// points. The mark is drawn on a tile along +x of its part when it is measured.
+/// measured tiles, and a plan: for each place the tile, the side that is up, and the direction of
+/// its mark, an arrow. Before a tile is measured, draw this arrow on its upper side, along +x of
+/// its part.
 #[derive(Args)]
 #[command(
     after_help = "Example:\n  magsplice assign layouts/designed-stock.toml --measured tiles.csv -o assigned.toml \
@@ -56,7 +57,7 @@ pub(crate) struct AssignArgs {
     /// compensate. Positions are as measured; rows with no in the column placed are ignored
     #[arg(long, value_name = "FILE")]
     placed: Option<PathBuf>,
-    /// Place of a shim tile, whose strength is computed; may be given again
+    /// Place of a shim: a tile whose best strength is computed; may be repeated
     #[arg(long, value_name = "PLACE")]
     shim: Vec<String>,
     /// Turn no tile over: the side that was up when it was measured stays up

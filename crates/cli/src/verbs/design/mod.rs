@@ -18,7 +18,7 @@ pub(super) mod search;
 /// A film that was found, and the films of a front, as text.
 mod text;
 
-/// Search for a better film, as the table [design] of the layout asks.
+/// Search for a better film, as specified by the table [design] of the layout.
 ///
 /// The result is a complete layout: the tiles, an [expect] table with the values reached, and a
 /// line of history. Sides and angles are rounded to the resolution of [design]. Ctrl-C ends the
@@ -34,8 +34,9 @@ pub(crate) struct DesignArgs {
     /// File to write, complete or not at all [default: -, standard output]; with --front a folder
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Search a whole trade-off instead of one film: a film for each amplitude of --amplitudes, and
-    /// films with fewer and fewer distinct parts. Writes tables, figures and layouts
+    /// Search for a series of trade-off films instead of one film: one for each amplitude of
+    /// --amplitudes, and films with fewer and fewer distinct parts. Writes tables, figures and
+    /// layouts
     #[arg(long)]
     front: bool,
     /// Least amplitudes of the films of --front, as fractions of the ideal film's amplitude

@@ -27,7 +27,7 @@ use crate::text::number::number;
 /// The faulty tiles, and what the scan does not resolve, as text.
 mod text;
 
-/// Find the weak, turned and displaced tiles of a real film from a scan of its field.
+/// Find the weak, turned and displaced tiles of a film from a scan of its field.
 ///
 /// The scan is of the field near the film, for example in steps of 1 mm, 1 mm below it. Each tile
 /// may be weaker or stronger, turned, magnetized in another direction, or displaced. An error is

@@ -35,20 +35,20 @@ pub(super) mod text;
 use journal::Journal;
 use sample_file::{MAX_SAMPLES, SampleFormat};
 
-/// Evaluate the real films of a layout: samples with the errors of its [tolerance].
+/// Evaluate films as made: random samples with the errors of the table [tolerance].
 ///
 /// Each sample is a film whose tiles are misplaced, turned, cut to wrong sizes, and of wrong
-/// strength and direction, in the surroundings and under the sensor of [tolerance]. Its exact field
-/// gives the uniformity RMSE, the displacement RMSE and the amplitude. The result has their mean
-/// and percentiles with intervals of 95 % confidence, and the share of the films that keep the
-/// bounds of [expect] and [expect.made].
+/// strength and direction. The surroundings and the sensor also have the errors of [tolerance]. The
+/// exact field gives the uniformity RMSE, the displacement RMSE and the amplitude. The result has
+/// their mean and percentiles with intervals of 95 % confidence, and the share of the films that
+/// keep the bounds of [expect] and [expect.made].
 ///
 /// Sample i depends on the seed and on i alone, so that machines can share the work: see --first.
 /// Ctrl-C ends the run with the result so far.
 ///
 /// With --sorted the tiles of each sample are cut, measured and assigned as by `magsplice assign`,
 /// before they are placed with the errors of position and rotation; this shows the benefit of
-/// measuring. Errors of groups belong to the places.
+/// measuring. Errors of groups belong to the places, and stay there whichever tiles are placed.
 #[derive(Args)]
 #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
 #[command(after_help = "Example:\n  magsplice tolerance layouts/robust-in-plane.toml --samples 10000\n  \
@@ -71,7 +71,7 @@ pub(crate) struct ToleranceArgs {
     /// Seed of the random numbers [default: the value of [tolerance], else 1]
     #[arg(long, value_name = "S")]
     seed: Option<u64>,
-    /// Number of the first sample, to compute a part of the samples
+    /// Index of the first sample, counted from 0, to compute a part of the samples
     #[arg(long, value_name = "K", default_value = "0", value_parser = number)]
     first: u64,
     /// Number of samples of the part [default: all from the first on]
@@ -89,7 +89,7 @@ pub(crate) struct ToleranceArgs {
 /// Where the result of samples goes.
 #[derive(Args)]
 struct ToleranceResultArgs {
-    /// File for the figures of every sample: .csv, .npz or .parquet. Parts are .csv
+    /// File for the results of every sample: .csv, .npz or .parquet; parts of a run must be .csv
     #[arg(long, value_name = "FILE")]
     save: Option<PathBuf>,
     #[command(flatten)]
