@@ -137,7 +137,7 @@ impl Film {
         })
     }
 
-    /// Number of samples and seed of real films.
+    /// Number of samples and seed of films as made.
     #[getter]
     fn _sampling(&self) -> (u64, u64) {
         let default = FilmTolerance::default();

@@ -34,15 +34,15 @@ class Outcome(Result):
     )
     error: str | None = key("The reason why it cannot be evaluated, or None.")
     value: float | None = key(
-        """Computed value, in the unit of the key. For real films, the limit of the percentile that
-        is compared with the bound."""
+        """Computed value, in the unit of the key. For films as made, the limit of the percentile
+        that is compared with the bound."""
     )
     at_most: float | None = key("Upper bound, if any.")
     at_least: float | None = key("Lower bound, if any.")
     margin: float | None = key("Distance from the bound; negative if the value breaks it.")
     at_mm: Vector | None = key("Point of the largest difference from the baseline, in millimetres.")
     tile: str | None = key("Tile nearest to the working volume.")
-    percentile: Percentile | None = key("Percentile of real films.", Percentile)
+    percentile: Percentile | None = key("Percentile of films as made.", Percentile)
 
 
 class Check(Result):

@@ -65,7 +65,7 @@ class Diagnosis(OfFilm, Table):
         "Whether other tiles have the errors of ``[tolerance]``; otherwise they count as ordered."
     )
     faulty: list[FaultyTile] = key("Identified errors, the most certain first.", FaultyTile)
-    is_complete: bool = key("Whether `named` has all significant errors.")
+    is_complete: bool = key("Whether `faulty` has all significant errors.")
     scan: FittedScan = key("Fitted parameters of the scan.", FittedScan)
     residual_t: float = key("Root mean square of the residual of a component, in tesla.")
     chi_squared: float = key(

@@ -1056,14 +1056,14 @@ class Design(Result):
         "Errors of the film found, over the design grid refined five times.", Metrics
     )
     made: MadeFilms | None = key(
-        """Errors of real films made from both; None unless the design minimizes them (``under =
+        """Errors of films as made, from both; None unless the design minimizes them (``under =
         "tolerance"``).""",
         MadeFilms,
     )
     error: float = key(
         """The minimized error: the root of the weighted sum of squares of the three uniformity or
         displacement RMSE (in millimetres), by the goal of ``[design]``; 95th percentiles where the
-        design minimizes errors of real films; the scaled relative RMSE of B for the goal
+        design minimizes errors of films as made; the scaled relative RMSE of B for the goal
         ``field``."""
     )
     stages: list[SearchStage] = key("Stages of the search.", SearchStage)
