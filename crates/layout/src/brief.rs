@@ -303,8 +303,8 @@ impl Brief {
         }
         if !present.tolerance {
             faults.add(
-                "under = \"tolerance\" needs the table [tolerance], which the layout does not have: it has the errors of \
-                 real films",
+                "under = \"tolerance\" needs the table [tolerance], which the layout does not have: it has the errors \
+                 of films as made",
             );
         }
         if self.goal != Goal::Displacement {

@@ -87,8 +87,8 @@ fn films_that_are_made_need_errors_and_the_displacement_as_goal() {
     assert!(!layout(VOLUME, "vary = [\"size\"]").expect("a brief").to_toml().contains("under"));
     refused(
         &format!("{under}\ngoal = \"displacement\""),
-        "under = \"tolerance\" needs the table [tolerance], which the layout does not have: it has the errors of real \
-         films",
+        "under = \"tolerance\" needs the table [tolerance], which the layout does not have: it has the errors of films \
+         as made",
     );
     for goal in ["uniformity", "field"] {
         let message = layout(&with_errors, &format!("{under}\ngoal = \"{goal}\"")).expect_err("a broken rule");

@@ -76,7 +76,7 @@ const LISTED: usize = 3;
 
 fn text(film: &Film, found: &FilmBudget) -> String {
     let mut text = header::with_recoil(film);
-    text += "displacement error of real films: RMS in mm, and share of the mean square\n\n";
+    text += "displacement error of films as made: RMS in mm, and share of the mean square\n\n";
     let mut table = vec![row("", ["x", "y", "z"].map(str::to_owned))];
     for part in &found.parts {
         table.push(row(&part.name, with_share(part.mean_square_mm2, part.share)));

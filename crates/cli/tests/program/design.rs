@@ -70,7 +70,7 @@ fn design_under_tolerance_states_the_films_that_are_made() {
     sandbox.write("film.toml", &film(&robust));
     let said = sandbox.run(&["design", "film.toml", "-o", "better.toml"]);
     assert_eq!(said.status, 0, "{}", said.stderr);
-    let of_made = said.stdout.split("RMSE of displacement of real films, mm; 300 samples, seed 1").nth(1);
+    let of_made = said.stdout.split("RMSE of displacement of films as made, mm; 300 samples, seed 1").nth(1);
     let of_made = of_made.unwrap_or_else(|| panic!("{}", said.stdout));
     let row = |name: &str| -> Vec<f64> {
         let line = of_made.lines().find_map(|line| line.trim().strip_prefix(name));

@@ -182,7 +182,7 @@ fn ctrl_c_gives_the_result_so_far() {
 fn tolerance_says_what_it_needs() {
     let sandbox = Sandbox::new();
     let bare = sandbox.run(&["tolerance", &shipped("published-film")]);
-    bare.refuses("the layout has no [tolerance] table with the errors of real films");
+    bare.refuses("the layout has no [tolerance] table with the errors of films as made");
     film(&sandbox, WORKSHOP);
     let run = |arguments: &[&str]| sandbox.run(&[&["tolerance", "film.toml"], arguments].concat());
     run(&["--samples", "10", "--first", "10"]).refuses("--first 10 is beyond the last sample, of 10 samples");

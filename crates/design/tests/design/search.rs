@@ -74,7 +74,7 @@ fn films_that_are_made_become_ten_times_better() {
     assert!(nominal.after.figures.displacement_rmse_mm.x < 0.5 * result.after.figures.displacement_rmse_mm.x);
     // The layout written demands the percentiles that were found, a little larger.
     let written = problem.designed_layout(&result, "test");
-    let bounds = written.expectations.made.expect("bounds of films that are made");
+    let bounds = written.expectations.made.expect("bounds of films as made");
     assert_eq!(bounds.percentile, 95.0);
     let bounds = bounds.bounds.displacement_rmse_mm.to_array();
     for (bound, found) in bounds.into_iter().zip(made.after.displacement_rmse_mm.to_array()) {

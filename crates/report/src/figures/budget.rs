@@ -30,8 +30,8 @@ const MARGIN: f64 = 0.03;
 /// # Errors
 /// [`ReportError::Drawing`] if it cannot be drawn.
 pub fn budget_figure(budget: &FilmBudget) -> Result<Drawing, ReportError> {
-    let caption = "Shares of all causes in the mean square of the displacement error of real films. \
-                   Parts below zero compensate others.";
+    let caption = "Shares of all causes in the mean square of the displacement error of films as made. Parts below \
+                   zero compensate others.";
     let drawn = svg(&budget.parts, budget.total_mm2.to_array());
     FigureDraft::new("budget", caption, drawn, csv(&budget.parts))?.rendered(SvgText::Text)
 }

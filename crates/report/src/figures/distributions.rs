@@ -81,8 +81,8 @@ pub(crate) fn draft(kind: ErrorKind, samples: &FilmSamples) -> Result<FigureDraf
         ErrorKind::Uniformity => ("made-uniformity", "uniformity RMSE"),
     };
     let caption = format!(
-        "The {error} of the films that are made, with the errors of [tolerance]. Above: the number of films in ranges \
-         of equal width. Below: the share of the films with a smaller error."
+        "The {error} of films as made, with the errors of [tolerance]. Above: the number of films in ranges of equal \
+         width. Below: the share of the films with a smaller error."
     );
     FigureDraft::new(name, caption, errors.draw(), errors.csv())
 }
@@ -194,7 +194,7 @@ fn vertical(sheet: &Sheet, panel: &Panel, at: f64, colour: RGBColor, width: f64)
 fn legend(sheet: &Sheet, samples: usize) -> DrawResult {
     let (x, y) = (MARGIN_PX + LEFT_PX, 18.0);
     sheet.shape(&rectangle([x, y - 6.0], [x + 20.0, y + 6.0]), BARS, BLUE, 0.6)?;
-    let films = if samples == 1 { "1 film that is made".to_owned() } else { format!("{samples} films that are made") };
+    let films = if samples == 1 { "1 film as made".to_owned() } else { format!("{samples} films as made") };
     sheet.text([x + 28.0, y], &films, LETTERS)?;
     let lines = [
         (x + 230.0, VERMILION, 1.8, "film as ordered"),

@@ -92,7 +92,7 @@ impl FrontFigure {
             FrontAxis::Amplitude => ("front-amplitude", "its best-fit amplitude relative to the ideal film"),
             FrontAxis::Parts => ("front-parts", "its number of distinct parts"),
         };
-        let made = "Discs: RMSE of displacement that 95 % of the films that are made do not exceed. ";
+        let made = "Discs: RMSE of displacement that 95 % of the films as made do not exceed. ";
         let caption = format!(
             "RMSE of each film of the front against {cost}. {}Shear is the larger RMSE of x and y.",
             if self.is_made() { made } else { "" }

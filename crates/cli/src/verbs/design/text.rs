@@ -83,7 +83,7 @@ pub(super) fn search_result(
 /// The errors of films as made, before and after the search.
 fn films_made(text: &mut String, made: &MadeFilms, before: &str) {
     let samples = counted(made.samples as usize, "sample", "samples");
-    let _ = writeln!(text, "\nRMSE of displacement of real films, mm; {samples}, seed {}", made.seed);
+    let _ = writeln!(text, "\nRMSE of displacement of films as made, mm; {samples}, seed {}", made.seed);
     rows::heading(text, "", ["x", "y", "z"]);
     for (film, errors) in [(before, &made.before), ("after", &made.after)] {
         let mut percentile = |name: &str, of: &dyn Fn(&Statistics) -> f64| {

@@ -99,7 +99,7 @@ fn samples(session: &Session, film: &Film, text: &mut String) -> Result<Option<F
     let mut errors = Vec::new();
     tolerance::draw(session, &sampling, &run, None, &mut errors, |_| Ok(ControlFlow::Continue(())))?;
     let found = sampling.statistics(run, None, &errors).map_err(failed)?;
-    let _ = write!(text, "\nreal films: {}", tolerance::text::samples(film, &found));
+    let _ = write!(text, "\nfilms as made: {}", tolerance::text::samples(film, &found));
     Ok(Some(FilmSamples { nominal: found.figures.map(|figure| figure.nominal), errors }))
 }
 

@@ -209,12 +209,12 @@ pub(super) fn sampling_failure(session: &Session, error: FilmError) -> Failure {
 
 /// Refuses a layout without the errors of films as made.
 pub(super) fn require_errors(session: &Session) -> Result<(), Failure> {
-    session.require_film(true, "tolerance", "evaluates the real films of a layout")?;
+    session.require_film(true, "tolerance", "evaluates films as made")?;
     if session.layout.tolerance.is_some() {
         return Ok(());
     }
-    let message = "the layout has no [tolerance] table with the errors of real films: give --preset workshop to begin \
-                   with, or add the table that docs/layout-format.md describes";
+    let message = "the layout has no [tolerance] table with the errors of films as made: give --preset workshop to \
+                   begin with, or add the table that docs/layout-format.md describes";
     Err(Failure::at(session.path, message.to_owned()))
 }
 
