@@ -65,7 +65,7 @@ pub enum DesignError {
     )]
     Rotated(Vec<String>),
     /// No number is free under the brief and the symmetry.
-    #[error("0 free numbers in this film under the vary and symmetry of [design], must be at least 1")]
+    #[error("vary and symmetry of [design] leave 0 free parameters in this film, must leave at least 1")]
     NothingFree,
     /// No film near the layout's keeps these rules together.
     #[error("these rules of [design] cannot be kept together by a film like this one:\n  {}", listed(.0, "\n  "))]

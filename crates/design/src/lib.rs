@@ -1,10 +1,10 @@
 //! Search for spliced films that decouple better, by exact derivatives and constrained least
 //! squares.
 //!
-//! The `[design]` table of a layout, its brief, lists the free numbers and the demands.
+//! The `[design]` table of a layout, its brief, lists the free parameters and the demands.
 //!
 //! * [`DesignProblem`]: a layout prepared for design. Tiles are sorted by symmetry, each free
-//!   number is a variable, and each rule a linear inequality.
+//!   parameter is a variable, and each rule a linear inequality.
 //! * [`DesignProblem::search`]: damped Gauss-Newton descents from several starts, each step a
 //!   quadratic program; then fewer parts, if asked for, and rounding.
 //! * [`SearchResult`]: the film found, with its [`Metrics`] before and after.

@@ -42,8 +42,8 @@ pub struct SpliceRequest {
     pub distance_mm: [f64; 2],
     /// Shortest side of a tile. Default: 0.08 of the wavelength.
     pub smallest_cut_mm: f64,
-    /// Goal and demands of the search. The request itself sets the free numbers, the symmetry, the
-    /// outline and the shortest side. Default: the displacement, with an amplitude of at least
+    /// Goal and demands of the search. The request itself sets the free parameters, the symmetry,
+    /// the outline and the shortest side. Default: the displacement, with an amplitude of at least
     /// 0.65.
     pub brief: Brief,
 }

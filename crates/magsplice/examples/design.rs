@@ -9,7 +9,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     // [design] of the layout says what may change and which error is to become small.
     let layout = Layout::parse(include_str!("film.toml"), "film.toml")?;
     let problem = DesignProblem::new(&layout)?;
-    println!("{}: {} free numbers", layout.name, problem.variable_count());
+    println!("{}: {} free parameters", layout.name, problem.variable_count());
 
     // Another callback in place of `ignore_progress` is told the progress and may stop the search.
     let result = problem.search(&ignore_progress)?;

@@ -318,7 +318,7 @@ fn long_search_is_announced_and_logged_and_interrupted_with_its_best_film() {
         assert!(length > 0, "the search ended: {said}");
     }
     assert!(begun.elapsed() >= std::time::Duration::from_secs(9), "{said}");
-    let announced = "56 tiles, 280 free numbers, 10000 starts: about ";
+    let announced = "56 tiles, 280 free parameters, 10000 starts: about ";
     assert!(said.starts_with(&format!("magsplice: {announced}")), "{said}");
     assert!(said.contains(", estimated from the first step, which took "), "{said}");
     assert!(
@@ -354,7 +354,7 @@ fn second_interruption_ends_at_once_without_a_file() {
     assert_eq!(sandbox.files(), ["film.toml"]);
 }
 
-/// A search of ten thousand starts with 280 free numbers, which takes hours.
+/// A search of ten thousand starts with 280 free parameters, which takes hours.
 #[cfg(unix)]
 fn long_search(sandbox: &Sandbox) -> std::process::Child {
     let design = "vary = [\"size\", \"position\", \"direction\"]\nsmallest_cut_mm = 0.8\nstarts = 10000\n";

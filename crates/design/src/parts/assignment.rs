@@ -229,7 +229,7 @@ impl PartAssignment {
         self
     }
 
-    /// The pattern whose variables are the free numbers of the parts and the positions of the
+    /// The pattern whose variables are the free parameters of the parts and the positions of the
     /// tiles.
     pub(crate) fn pattern(&self, brief: &Brief, like: &Pattern) -> Pattern {
         let (mut builder, mut tiles) = (PatternBuilder::default(), Vec::new());

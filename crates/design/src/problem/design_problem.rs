@@ -117,7 +117,7 @@ impl<'a> DesignProblem<'a> {
         Ok(DesignProblem { layout, brief, ideal, volume, tiles, pattern, least_squares })
     }
 
-    /// Number of free numbers, the variables of the search.
+    /// Number of free parameters, the variables of the search.
     pub fn variable_count(&self) -> usize {
         self.pattern.kinds.len()
     }

@@ -12,7 +12,7 @@ use crate::tolerances::{MOST_STEPS, PARTS_SINGLY, PARTS_TRIED, TRIAL_STEPS, TRIA
 pub struct SearchEstimate {
     /// Number of tiles of the film.
     pub tiles: usize,
-    /// Number of free numbers.
+    /// Number of free parameters.
     pub variables: usize,
     /// Number of starts.
     pub starts: usize,

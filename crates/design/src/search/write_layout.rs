@@ -105,7 +105,7 @@ impl DesignProblem<'_> {
         };
         let made = result.made.as_ref();
         format!(
-            "{program}: from {start}, {} free numbers, {} starts, seed {}: {} -> {}",
+            "{program}: from {start}, {} free parameters, {} starts, seed {}: {} -> {}",
             self.variable_count(),
             self.brief.starts,
             self.brief.seed,

@@ -43,7 +43,7 @@ fn announce(estimate: &SearchEstimate) {
         failure::tell(&format_args!(
             "{}, {}, {}: about {}, estimated from the first step, which took {:.2} s",
             counted(tiles, "tile", "tiles"),
-            counted(variables, "free number", "free numbers"),
+            counted(variables, "free parameter", "free parameters"),
             counted(starts, "start", "starts"),
             HumanDuration(total),
             step.as_secs_f64()

@@ -23,7 +23,7 @@ pub(super) fn search_result(
     let [nx, ny, nz] = problem.grid().counts();
     let mut text = format!(
         "{} in {}, designed on {nx} x {ny} x {nz} points; {}\n\n",
-        counted(problem.variable_count(), "free number", "free numbers"),
+        counted(problem.variable_count(), "free parameter", "free parameters"),
         match (problem.orbit_count(), result.tiles.len()) {
             (orbits, tiles) if orbits == tiles => counted(tiles, "tile", "tiles"),
             (orbits, tiles) => {
