@@ -176,7 +176,7 @@ fn text(layout: &Layout, loads: &FilmLoads) -> String {
 fn ordered(text: &mut String, order: &OrderedLoads) {
     let is_given = order.source == "given";
     let what = match order.seed {
-        Some(seed) => format!("order with the least holding found, seed {seed}"),
+        Some(seed) => format!("order with the smallest holding force found, seed {seed}"),
         None if is_given => "order of the layout file".to_owned(),
         None => format!("order of {}", order.source),
     };
@@ -186,7 +186,7 @@ fn ordered(text: &mut String, order: &OrderedLoads) {
     text.push('\n');
     let Some(hardest) = order.steps.get(order.hardest_step - 1) else { return };
     let (holding, step) = (unit.force(order.holding_n), order.hardest_step);
-    let _ = writeln!(text, "holding         {holding} at step {step}, {}", hardest.name);
+    let _ = writeln!(text, "holding force   {holding} at step {step}, {}", hardest.name);
     if let (Some(bound_n), Some(greedy_n)) = (order.bound_n, order.greedy_holding_n) {
         let _ = writeln!(text, "bound           {}, a lower bound for all orders", unit.force(bound_n));
         let _ = writeln!(text, "greedy order    {}", unit.force(greedy_n));

@@ -85,12 +85,12 @@ pub struct OrderedLoads {
     pub holding_n: f64,
     /// Step of the largest force, from 1.
     pub hardest_step: usize,
-    /// Holding of the order of the layout file.
+    /// Holding force of the order of the layout file.
     pub given_holding_n: f64,
-    /// Of the least order: no order has a smaller holding.
+    /// Of the least order: no order has a smaller holding force.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bound_n: Option<f64>,
-    /// Of the least order: the holding of the order that is built backwards, tile by tile.
+    /// Of the least order: the holding force of the order that is built backwards, tile by tile.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub greedy_holding_n: Option<f64>,
     /// Of the least order: the seed of the search.
@@ -105,7 +105,7 @@ pub struct OrderedLoads {
 pub enum OrderChoice {
     /// The order of the layout.
     Given,
-    /// The order with the least holding that a search with this seed finds.
+    /// The order with the smallest holding force that a search with this seed finds.
     Least {
         /// Seed of the random numbers.
         seed: u64,
