@@ -42,8 +42,8 @@ pub enum DesignError {
     Missing(NeededTable),
     /// Some tiles have no image under the symmetry of the brief.
     #[error(
-        "{}tiles without an image under the symmetry of [design]: {}; add the images (arrows are mirrored like drawn \
-         ones), or ask for less symmetry", shown_spans(*off_centre_mm), listed(tiles, ", ")
+        "{}tiles without an image under the symmetry of [design]: {}; add the images (polarizations are mirrored like \
+         drawn arrows), or choose a lower symmetry", shown_spans(*off_centre_mm), listed(tiles, ", ")
     )]
     NotSymmetric {
         /// Names of these tiles.
@@ -54,26 +54,26 @@ pub enum DesignError {
     },
     /// The brief counts films as made, and its goal is not the displacement.
     #[error(
-        "under = \"tolerance\" of [design] needs goal = \"displacement\": the smallest errors of other kinds belong to \
-         films whose parameters change little with the displacement"
+        "under = \"tolerance\" of [design] needs goal = \"displacement\": other errors are smallest for films whose \
+         parameters hardly change with the displacement"
     )]
     NotDisplacement,
     /// These tiles are rotated, and the brief lets sizes or positions vary or has a symmetry.
     #[error(
-        "rotated tiles: {}; sizes, positions and symmetries are for tiles along x and y: give these unrotated, or let \
-         only directions and strengths vary", listed(.0, ", ")
+        "rotated tiles: {}; sizes, positions and symmetries need tiles along x and y: write these tiles without \
+         rotation, or vary only directions and strengths", listed(.0, ", ")
     )]
     Rotated(Vec<String>),
     /// No number is free under the brief and the symmetry.
     #[error("vary and symmetry of [design] leave 0 free parameters in this film, must leave at least 1")]
     NothingFree,
     /// No film near the layout's keeps these rules together.
-    #[error("these rules of [design] cannot be kept together by a film like this one:\n  {}", listed(.0, "\n  "))]
+    #[error("no film of this kind can satisfy all of these rules of [design]:\n  {}", listed(.0, "\n  "))]
     Contradiction(Vec<Rule>),
     /// The film found cannot exist when rounded to the resolution of the brief.
     #[error(
-        "rounding to resolution_mm = {resolution_mm} and resolution_deg = {resolution_deg} of [design] leaves no film: \
-         {fault}; choose a finer resolution"
+        "rounding to resolution_mm = {resolution_mm} and resolution_deg = {resolution_deg} of [design] leaves no valid \
+         film: {fault}; choose a finer resolution"
     )]
     Resolution {
         /// The resolution of lengths, in millimetres.

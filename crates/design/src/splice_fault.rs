@@ -27,13 +27,13 @@ pub enum SpliceFault {
     TooStrong(f64),
     /// The least amplitude is above 2.
     #[error(
-        "amplitude: {0}, must be at most {MAX_AMPLITUDE}, which tiles of the remanence of the ideal film cannot \
-         exceed: a fraction, not percent"
+        "amplitude: {0}, must be at most {MAX_AMPLITUDE}, the limit for tiles with the remanence of the ideal film; it \
+         is a fraction, not percent"
     )]
     UnreachableAmplitude(f64),
     /// The wavelength is too short for machine tools.
     #[error(
-        "wavelength: {0} mm, must be at least {SHORTEST_WAVELENGTH_MM} mm, or tiles are no larger than the \
+        "wavelength: {0} mm, must be at least {SHORTEST_WAVELENGTH_MM} mm: with less, tiles are no larger than the \
          resolution of machine tools; {meant}", meant = meant_length(*.0)
     )]
     ShortWavelength(f64),
@@ -57,8 +57,8 @@ pub enum SpliceFault {
     Distances(f64, f64),
     /// Along this axis the film does not hold the crests about its middle: extent and wavelength.
     #[error(
-        "film: {1} mm along {0}, must be at least {least:.4} mm, 5/6 of the wavelength, to hold the crests about the \
-         middle{meant}",
+        "film: {1} mm along {0}, must be at least {least:.4} mm, 5/6 of the wavelength, to contain the crests of the \
+         polarization next to the middle{meant}",
         least = least_extent(*.2),
         meant = if 1e3 * .1 >= least_extent(*.2) { format!("; {}", meant_length(*.1)) } else { String::new() }
     )]

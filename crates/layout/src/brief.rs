@@ -309,8 +309,8 @@ impl Brief {
         }
         if self.goal != Goal::Displacement {
             faults.add(format!(
-                "goal = {:?} with under = \"tolerance\", must be \"displacement\": the smallest errors of other kinds belong to \
-                 films whose parameters change little with the displacement",
+                "goal = {:?} with under = \"tolerance\", must be \"displacement\": other errors are smallest for films \
+                 whose parameters hardly change with the displacement",
                 format!("{:?}", self.goal).to_lowercase()
             ));
         }

@@ -118,7 +118,7 @@ fn films_to_splice_have_possible_magnets_and_lengths() {
     with(&["--remanence", "120"])
         .refuses("remanence: 120 T, must be at most 2 T, more than any permanent magnet has; did you mean 0.12 T, which is 120 mT?");
     splice(&["--wavelength", "0.008", "--film", "0.016x0.016"])
-        .refuses("wavelength: 0.008 mm, must be at least 0.1 mm, or tiles are no larger than the resolution of machine tools; did you mean 8 mm, which is 0.008 m?");
+        .refuses("wavelength: 0.008 mm, must be at least 0.1 mm: with less, tiles are no larger than the resolution of machine tools; did you mean 8 mm, which is 0.008 m?");
     with(&["--thickness", "0.001"])
         .refuses("thickness: 0.001 mm, must be at least a thousandth of the wavelength, 8 mm; did you mean 1 mm, which is 0.001 m?");
     with(&["--range", "0.004x0.004"]).refuses("range, along x: 0.004 mm, must be at least a thousandth");
@@ -127,8 +127,8 @@ fn films_to_splice_have_possible_magnets_and_lengths() {
         .refuses("splice: distance, the nearest: 0.003 mm, must be at least a thousandth of the wavelength, 8 mm; did you mean 3 mm, which is 0.003 m?\n");
     with(&["--distance", "0.003..0.004"]).refuses("distance, the nearest: 0.003 mm, must be at least a thousandth");
     splice(&["--wavelength", "10", "--film", "0.02x0.02"]).refuses(
-        "splice: film: 0.02 mm along x, must be at least 8.3333 mm, 5/6 of the wavelength, to hold the crests about the \
-         middle; did you mean 20 mm, which is 0.02 m?\nsplice: film: 0.02 mm along y",
+        "splice: film: 0.02 mm along x, must be at least 8.3333 mm, 5/6 of the wavelength, to contain the crests of the \
+         polarization next to the middle; did you mean 20 mm, which is 0.02 m?\nsplice: film: 0.02 mm along y",
     );
     with(&["--thickness", "9000"])
         .refuses("thickness: 9000 mm, must be at most a thousand times the wavelength, 8 mm; did you mean 9 mm, which is 9000 um?");

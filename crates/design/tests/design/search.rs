@@ -100,12 +100,15 @@ fn films_that_are_made_need_errors_and_a_displacement() {
 #[test]
 fn coarse_resolution_is_named_as_the_cause() {
     let cut = refused("vary = [\"cut\"]\nsymmetry = \"four-fold\"\nsmallest_cut_mm = 0.8\nresolution_mm = 5.0");
-    assert!(
-        cut.starts_with("rounding to resolution_mm = 5 and resolution_deg = 0.01 of [design] leaves no film: tile ")
-    );
+    assert!(cut.starts_with(
+        "rounding to resolution_mm = 5 and resolution_deg = 0.01 of [design] leaves no valid film: tile "
+    ));
     assert!(cut.ends_with("has a side of 0 mm; choose a finer resolution"), "{cut}");
     let direction = refused("vary = [\"direction\"]\nresolution_deg = 1e5");
-    assert!(direction.contains("resolution_deg = 100000 of [design] leaves no film: B_z vanishes"), "{direction}");
+    assert!(
+        direction.contains("resolution_deg = 100000 of [design] leaves no valid film: B_z vanishes"),
+        "{direction}"
+    );
 }
 
 #[test]
