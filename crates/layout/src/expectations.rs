@@ -167,7 +167,7 @@ impl Expectations {
         }
         if let Some(least) = self.bounds.least_amplitude.filter(|least| *least <= 0.0) {
             messages.push(format!(
-                "expect: amplitude.min = {least} is also kept by a film that is reversed or without a field: give a \
+                "expect: amplitude.min = {least} is also met by a film that is reversed or has no field: give a \
                  fraction of the ideal film's field, such as 0.8"
             ));
         }
@@ -222,7 +222,7 @@ impl FigureBounds {
                     } else {
                         "it bounds an angle in rad, not in mrad or degrees".to_owned()
                     };
-                    messages.push(format!("expect: {key} = {bound} is kept by {films}: {why}"));
+                    messages.push(format!("expect: {key} = {bound} is met by {films}: {why}"));
                 }
                 (Figure::Displacement(_), Some(ideal)) if bound >= 0.5 * ideal.wavelength() => {
                     let (half, meant_mm) = (0.5 * ideal.wavelength(), 1e-3 * bound);

@@ -48,7 +48,7 @@ fn tiles_of_all_tables_together_are_limited() {
     refused_with(
         &grids([[100, 1, 1], [1000, 2000, 2]]),
         "tile \"tile-2\": grid.count = [1000, 2000, 2] makes 4000000 tiles, must be at most 4000000 tiles in the whole \
-         layout, 100 before it included",
+         layout, including the 100 before it",
     );
     // Entries that are too large each do not use up the room of others.
     assert_eq!(refused(&grids([[4001, 1000, 1], [100, 1, 1]])).lines().count(), 1);

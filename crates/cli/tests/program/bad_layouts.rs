@@ -216,7 +216,7 @@ fn layouts_that_would_take_all_memory_are_refused() {
     let stretch = "{ widths_mm = [1], pattern = [1], times = 4000000 },";
     let sandbox = Sandbox::new();
     for (body, message) in [
-        (format!("{TILE}{grids}"), "must be at most 4000000 tiles in the whole layout, 1 before it included"),
+        (format!("{TILE}{grids}"), "must be at most 4000000 tiles in the whole layout, including the 1 before it"),
         (format!("{lattice}{}]\n", stretch.repeat(200)), "has 800000000 x 800000000 cells"),
         (
             format!("{lattice}{{ widths_mm = [], pattern = [], times = 9000000000000000000 }}]\n"),

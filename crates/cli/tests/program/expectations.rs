@@ -48,21 +48,21 @@ fn bounds_that_every_film_keeps_are_findings() {
     found(
         "expect",
         &uniformity("r_x = 65"),
-        "expect: uniformity_rmse.r_x = 65 is kept by every film: it bounds an angle",
+        "expect: uniformity_rmse.r_x = 65 is met by every film: it bounds an angle",
     );
-    found("expect", &uniformity("s_z = 4.2"), "expect: uniformity_rmse.s_z = 4.2 is kept by almost every film");
+    found("expect", &uniformity("s_z = 4.2"), "expect: uniformity_rmse.s_z = 4.2 is met by almost every film");
     let displacement = |key: &str| format!("displacement_rmse_mm = {{ {key} }}");
     found(
         "expect",
         &displacement("x = 250"),
-        "expect: displacement_rmse_mm.x = 250 is kept by every film: it is not below half the wavelength, 5 mm; did you \
+        "expect: displacement_rmse_mm.x = 250 is met by every film: it is not below half the wavelength, 5 mm; did you \
          mean 0.25 mm, which is 250 um?",
     );
-    found("expect", &displacement("z = 320"), "expect: displacement_rmse_mm.z = 320 is kept by almost every film");
+    found("expect", &displacement("z = 320"), "expect: displacement_rmse_mm.z = 320 is met by almost every film");
     found(
         "expect",
         "amplitude = { min = -0.5 }",
-        "expect: amplitude.min = -0.5 is also kept by a film that is reversed",
+        "expect: amplitude.min = -0.5 is also met by a film that is reversed",
     );
     for keys in [uniformity("r_x = 3, s_z = 3"), displacement("x = 4.9, y = 4.9, z = 4.9")] {
         assert_eq!(findings("expect", &keys), [""; 0], "{keys}");

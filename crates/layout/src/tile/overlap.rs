@@ -23,8 +23,9 @@ pub(crate) fn check(tiles: &[NamedTile], entries: &[Entry], allowed_mm: f64, fau
     for (number, pair) in overlaps_among(&bare, most).filter(is_refused).enumerate() {
         let Ok(pair) = pair else {
             faults.add_to_layout(format!(
-                "more than {most} pairs of tiles may overlap, too many to examine: many tiles are in one place, for \
-                 example beyond the digits of numbers, or next to each other and rotated"
+                "more than {most} pairs of tiles may overlap, too many to examine: many tiles are in one place (for \
+                 example, because their positions differ only beyond the last digit of a number), or are rotated next \
+                 to each other"
             ));
             break;
         };

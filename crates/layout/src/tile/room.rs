@@ -28,7 +28,8 @@ impl Room {
     ) -> bool {
         let total = self.tiles.saturating_add(tiles);
         if total > MAX_TILES {
-            let before = if self.tiles > 0 { format!(", {} before it included", self.tiles) } else { String::new() };
+            let before =
+                if self.tiles > 0 { format!(", including the {} before it", self.tiles) } else { String::new() };
             faults.add(format!("{what}, must be at most {MAX_TILES} tiles in the whole layout{before}"));
             return false;
         }

@@ -58,7 +58,8 @@ impl<'t> Selection<'t> {
             } else if name.contains('*') {
                 let Some(left) = self.trials_left.checked_sub(self.tiles.len()) else {
                     faults.add(format!(
-                        "{key} has one more name with *, must be at most {MAX_NAME_TRIALS} of them times tiles in the layout"
+                        "{key} has too many names with *: their number times the number of tiles in the layout must be \
+                         at most {MAX_NAME_TRIALS}"
                     ));
                     return found;
                 };

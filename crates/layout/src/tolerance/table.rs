@@ -195,7 +195,7 @@ fn remark(found: &FilmTolerance, present: TablesPresent, faults: &mut Faults) {
     let missing: Vec<&str> = needed.into_iter().filter(|(_, is_there)| !is_there).map(|(table, _)| table).collect();
     if !missing.is_empty() {
         add(format!(
-            "tolerance: its effect is evaluated only beside {}, which the layout does not have",
+            "tolerance: its effect is evaluated only together with {}, which the layout does not have",
             missing.join(" and ")
         ));
     }

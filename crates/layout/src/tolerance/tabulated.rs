@@ -188,7 +188,7 @@ fn chosen_column(
         None if is_header => return Err(format!("has several columns: give column, one of {}", names())),
         None => return Err(format!("has {} columns and no header: give the file one and name a column", first.len())),
         Some(name) if !is_header => {
-            return Err(format!("has no header, which names the column \"{}\"", shown(name)));
+            return Err(format!("has no header with the column name \"{}\"", shown(name)));
         }
         Some(name) => first.iter().position(|field| field == name).ok_or_else(|| {
             let meant = did_you_mean(name, first.iter().take(MAX_LISTED));
@@ -227,7 +227,7 @@ mod tests {
             ("# only\n", None, "has no values"),
             ("a,b\n1,2\n", None, "line 1: has several columns: give column, one of a, b"),
             ("1,2\n", None, "line 1: has 2 columns and no header"),
-            ("1\n", Some("a"), "line 1: has no header, which names the column \"a\""),
+            ("1\n", Some("a"), "line 1: has no header with the column name \"a\""),
             ("# x\ndx,dy\n1,2\n", Some("dz"), "line 2: has no column \"dz\" (did you mean \"d"),
             ("dx_um\n1\n", None, "line 1: column \"dx_um\" is in micrometres, must be in mm"),
             ("# x\n\n1\n# y\nfew\n", None, "line 5: \"few\", must be a number"),

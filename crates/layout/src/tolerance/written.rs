@@ -254,8 +254,8 @@ const MAGNITUDE: Rule = Rule { words: "must be a finite number of at least 0, th
 /// The rule that limits tabulated values in all.
 pub(crate) fn too_many_values(key: &str) -> String {
     format!(
-        "{key}: has too many tabulated values beside the others of the layout, must be at most {MAX_TABULATED_IN_ALL}, \
-         counted in each distribution"
+        "{key}: the layout has too many tabulated values up to this distribution, must have at most \
+         {MAX_TABULATED_IN_ALL} in the sum over all distributions"
     )
 }
 
