@@ -96,7 +96,7 @@ pub enum AssignmentError {
         tiles: usize,
     },
     /// The part of a group fits one of its places in no allowed orientation.
-    #[error("its part fits place number {} in no orientation that is allowed", place + 1)]
+    #[error("its part does not fit place number {} in any allowed orientation", place + 1)]
     NoOrientation {
         /// Index of the place.
         place: usize,

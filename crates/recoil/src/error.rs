@@ -73,7 +73,8 @@ pub enum RecoilError {
     },
     /// The iteration for the polarization does not converge.
     #[error(
-        "the polarization is not solved: its residual is {residual:.1e} of the initial residual; lower the permeability"
+        "the solution for the polarization does not converge: the residual is {residual:.1e} of the initial residual; \
+         lower the permeability"
     )]
     NotSolved {
         /// Reached residual, relative to the residual at the start.

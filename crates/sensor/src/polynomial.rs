@@ -47,7 +47,7 @@ pub struct DisplacementPolynomial {
 #[non_exhaustive]
 pub enum PolynomialError {
     /// No degree reaches the requested error.
-    #[error("no polynomial has so small an error; the smallest is {least:.2e}")]
+    #[error("no polynomial reaches the requested error; the smallest error found is {least:.2e}")]
     NotReached {
         /// The smallest error.
         least: f64,

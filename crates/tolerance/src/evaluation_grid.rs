@@ -42,7 +42,7 @@ impl EvaluationGrid {
 #[non_exhaustive]
 pub enum SampleError {
     /// A tile cannot exist, such as one without thickness.
-    #[error("a tile cannot exist: {0}; smaller errors are needed")]
+    #[error("a tile with these errors is invalid: {0}; specify smaller errors")]
     Tile(#[source] TileFaults),
     /// The field does not exist at a point of the volume, such as one on an edge of a tile.
     #[error("no field in the working volume: {0}")]

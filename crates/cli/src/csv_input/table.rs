@@ -252,7 +252,7 @@ impl CsvTable {
             return Err(match cells {
                 Some(other) if other != Separator::Spaces && !self.separator.allows_decimal_comma() => {
                     refused(&format!(
-                        "must be a finite number, and {} do not separate like line {}",
+                        "must be a finite number; {} are not the separators of line {}",
                         other.name(),
                         self.names_line
                     ))

@@ -94,8 +94,8 @@ fn text(film: &Film, found: &FilmBudget) -> String {
     if let Some(squares_mm2) = found.compensated_pattern_mm2 {
         let [x, y, z] = squares_mm2.to_array().map(rms);
         let sentence = format!(
-            "the same splicing pattern without end would have an error of {x}, {y}, {z} mm; the end of the film \
-             compensates it"
+            "the same splicing pattern, repeated endlessly, would have an error of {x}, {y}, {z} mm; the end of the \
+             film compensates it"
         );
         rows::prose(&mut text, &sentence);
     }

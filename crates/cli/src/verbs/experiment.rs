@@ -151,7 +151,9 @@ fn remark(session: &Session, found: &FilmExperiments) {
     let lost = count(&|step| step.by_field.is_none() && !step.is_saturated);
     if lost > 0 {
         let steps = counted(lost, "step", "steps");
-        session.tell(&format!("{layout}: at {steps} the reading has no position in the field of the layout, or two\n"));
+        session.tell(&format!(
+            "{layout}: at {steps} the reading fits no position in the field of the layout, or two positions\n"
+        ));
     }
 }
 

@@ -121,7 +121,7 @@ fn describe(text: &mut String, part: &PlannedPart, tiles: usize) {
                 ("near tiles", format!("{}, summed directly", digits(*exact_tiles))),
                 ("ignored tiles", format!("{}, with a field of at most {ignored_t:.1e} T", digits(*ignored_tiles))),
                 ("truncation", format!("at most {truncation_error_t:.1e} T at any point, ignored tiles included")),
-                ("why", "the points are no grid in a box away from the tiles, or too few".to_owned()),
+                ("why", "the points do not form a grid in a box away from the tiles, or are too few".to_owned()),
             ],
         ),
     };

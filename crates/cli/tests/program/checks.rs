@@ -221,7 +221,11 @@ fn folders_stand_for_all_layouts_below_them_in_order() {
     assert_eq!(files(&json), ["films/a/deep/b.TOML", "films/film.toml", "films/z.toml"]);
     assert_eq!(status, 0);
     let said = sandbox.run(&["check", "films"]);
-    assert!(said.stdout.starts_with("films/Cargo.toml: skipped, no layout: it has no key format\n"), "{}", said.stdout);
+    assert!(
+        said.stdout.starts_with("films/Cargo.toml: skipped, not a layout: it has no key `format`\n"),
+        "{}",
+        said.stdout
+    );
     let quiet = sandbox.run(&["check", "films", "--quiet"]);
     assert_eq!((quiet.stdout.as_str(), quiet.stderr.as_str()), ("3 layouts checked, 1 other file skipped\n", ""));
     // A file and a folder, in the order of the arguments.
@@ -259,7 +263,10 @@ fn folder_without_layouts_is_an_error_among_the_results() {
     assert_eq!(of("file"), ["empty", "others", "films/film.toml"]);
     assert_eq!(of("status"), ["error", "error", "ok"]);
     assert!(of("error")[0].as_str().unwrap().starts_with("empty: no layout in this folder"), "{json}");
-    assert_eq!(json["skipped"], json!([{ "file": "others/Cargo.toml", "reason": "no layout: it has no key format" }]));
+    assert_eq!(
+        json["skipped"],
+        json!([{ "file": "others/Cargo.toml", "reason": "not a layout: it has no key `format`" }])
+    );
     assert_eq!(of("expectations")[2].as_array().unwrap().len(), 6);
 
     let said = sandbox.run(&["check", "empty", "others", "films", "--format", "junit", "-q"]);

@@ -11,7 +11,7 @@ use magsplice::layout::is_layout;
 const MAX_DEPTH: usize = 64;
 
 /// Why a TOML file of a folder is skipped.
-pub(super) const NO_LAYOUT: &str = "no layout: it has no key format";
+pub(super) const NO_LAYOUT: &str = "not a layout: it has no key `format`";
 
 /// A file or a folder that the arguments name.
 pub(super) enum NamedFile {

@@ -68,7 +68,7 @@ pub(crate) fn fitted(text: &mut String, fit: &[FitArg], found: &FittedScan, devi
 fn positions(found: &FilmScan) -> String {
     let mut text = match found.grid {
         Some([x, y, z]) => format!(" on a grid of {x} x {y} x {z}"),
-        None => " at positions that are no grid".to_owned(),
+        None => " at positions that do not form a grid".to_owned(),
     };
     if !found.missing_mm.is_empty() {
         let listed: Vec<String> =

@@ -19,7 +19,7 @@ pub(super) const MAX_SAMPLES: u64 = *magsplice::layout::SAMPLE_COUNTS.end();
 /// Formats of the figures of samples.
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
 pub(super) enum SampleFormat {
-    /// Text with one line per sample, after a line that tells what they are samples of
+    /// Text with one line per sample, after a line that identifies the sampled film
     Csv,
     /// NumPy: one array per figure
     Npz,

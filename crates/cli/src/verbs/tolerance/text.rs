@@ -49,7 +49,7 @@ pub(crate) fn samples(film: &Film, result: &SampledFilm) -> String {
         let Some(share) = share else { continue };
         let [value, low, high] = [share.value, share.interval[0], share.interval[1]].map(in_per_cent);
         let _ =
-            writeln!(text, "yield: {value:.1} % of the films keep all bounds of {bounds} ({low:.1} .. {high:.1} %)");
+            writeln!(text, "yield: {value:.1} % of the films meet all bounds of {bounds} ({low:.1} .. {high:.1} %)");
     }
     text += "intervals hold with 95 % confidence\n";
     text
