@@ -96,7 +96,7 @@ fn faulty_materials_are_refused() {
         ("recoil_permeability = nan", "recoil_permeability = NaN, must be from 1 to 10000"),
         (
             "recoil_permeability = \"1.05\"",
-            "one number, or a table such as { along = 1.05, across = 1.15 }, not a text: write",
+            "one number, or a table such as { along = 1.05, across = 1.15 }, not a string: write",
         ),
         ("recoil_permeability = { along = 1.1 }", "missing field `across`"),
         ("recoil_error = 0", "recoil_error = 0, must be at least 0.0001 and below 1"),

@@ -30,7 +30,7 @@ t.toml: TOML parse error at line 8, column 8
   |
 8 | name = 3
   |        ^
-name is a text in quotes: write `name = \"3\"`
+name is a string in quotes: write `name = \"3\"`
 Unique name. Default: tile-1, tile-2 and so on, numbered in the order of the file.
 t.toml: TOML parse error at line 9, column 2
   |
@@ -72,12 +72,12 @@ fn numbers_in_quotes_are_converted_to_the_unit_of_the_key() {
     for (table, key, text, end) in [
         ("", "strength_t", "200 mT", "strength_t is a number in tesla, without quotes and unit: write 0.2"),
         ("", "strength_t", "1.2", "write 1.2"),
-        ("", "strength_t", "strong", "strength_t is a number in tesla, not a text"),
+        ("", "strength_t", "strong", "strength_t is a number in tesla, not a string"),
         ("[ideal]\n", "amplitude_t", "1200 G", "write 0.12"),
         ("[ideal]\n", "wavelength_mm", "1cm", "write 10"),
         ("[ideal]\n", "wavelength_mm", "0.008 m", "write 8"),
         ("[tile.rotation]\n", "angle_deg", "30 deg", "write 30"),
-        ("[sensor]\n", "range_mt", "5 mT", "not a text: write `range_mt = 5`"),
+        ("[sensor]\n", "range_mt", "5 mT", "not a string: write `range_mt = 5`"),
         ("[expect.amplitude]\n", "min", "3", "min is a number, without quotes: write 3"),
     ] {
         let found = sentence(table, &format!("{key} = \"{text}\""));
@@ -94,27 +94,31 @@ fn each_type_is_named_with_the_form_that_the_key_wants() {
         ("[tolerance]\n", "samples = 1.5", "samples is an integer, at least 0, not 1.5"),
         ("[tolerance]\n", "samples = -1", "samples is an integer, at least 0, not -1"),
         ("[tolerance]\n", "samples = [1]", "samples is an integer, at least 0, not a list"),
-        ("[tolerance]\n", "samples = \"ten\"", "samples is an integer, at least 0, not a text"),
-        ("", "name = 3", "name is a text in quotes: write `name = \"3\"`"),
-        ("", "name = true", "name is a text in quotes: write `name = \"true\"`"),
-        ("", "name = [3]", "name is a text in quotes, not a list"),
-        ("", "name = 1979-05-27", "name is a text in quotes, not a date"),
-        ("", "name = 77777777777777777.77777777777777777777777", "name is a text in quotes, not a number"),
+        ("[tolerance]\n", "samples = \"ten\"", "samples is an integer, at least 0, not a string"),
+        ("", "name = 3", "name is a string in quotes: write `name = \"3\"`"),
+        ("", "name = true", "name is a string in quotes: write `name = \"true\"`"),
+        ("", "name = [3]", "name is a string in quotes, not a list"),
+        ("", "name = 1979-05-27", "name is a string in quotes, not a date"),
+        ("", "name = 77777777777777777.77777777777777777777777", "name is a string in quotes, not a number"),
         ("", "strength_t = [1, 2]", "strength_t is one number in tesla, not a list, as in `strength_t = 0.12`"),
         ("[tile.rotation]\n", "angle_deg = false", "angle_deg is one number in degrees, not true or false"),
         ("[expect.amplitude]\n", "min = {}", "min is one number, not a table"),
-        ("[tile.rotation]\n", "axis = \"Y\"", "axis is a list of three numbers, not a text: write `axis = [0, 1, 0]`"),
-        ("", "direction = \"z\"", "direction is a list of three numbers, not a text: write `direction = [0, 0, 1]`"),
+        (
+            "[tile.rotation]\n",
+            "axis = \"Y\"",
+            "axis is a list of three numbers, not a string: write `axis = [0, 1, 0]`",
+        ),
+        ("", "direction = \"z\"", "direction is a list of three numbers, not a string: write `direction = [0, 0, 1]`"),
         ("[tile.rotation]\n", "axis = 3", "axis is a list of three numbers, not a number, as in `axis = [0, 0, 1]`"),
-        ("", "mirror = \"z\"", "mirror is a table, not a text: write `mirror = { axes = [\"z\"] }`"),
-        ("[tile.mirror]\n", "axes = \"y\"", "axes is a list, not a text: write `axes = [\"y\"]`"),
+        ("", "mirror = \"z\"", "mirror is a table, not a string: write `mirror = { axes = [\"z\"] }`"),
+        ("[tile.mirror]\n", "axes = \"y\"", "axes is a list, not a string: write `axes = [\"y\"]`"),
         (
             "",
             "rotation = 30",
             "rotation is a table, not a number, as in `rotation = { axis = [0, 0, 1], angle_deg = 30 }`",
         ),
         ("[expect]\n", "amplitude = 0.8", "amplitude is a table, not a number: write `amplitude = { min = 0.8 }`"),
-        ("[design]\n", "vary = \"Size\"", "vary is a list, not a text: write `vary = [\"size\"]`"),
+        ("[design]\n", "vary = \"Size\"", "vary is a list, not a string: write `vary = [\"size\"]`"),
         ("[design]\nvary = []\n", "goal = 4", "goal is a word in quotes, not a number"),
         (
             "[design]\nvary = []\n",
@@ -124,7 +128,7 @@ fn each_type_is_named_with_the_form_that_the_key_wants() {
         (
             "[material]\n",
             "recoil_permeability = \"x\"",
-            "recoil_permeability is one number, or a table such as { along = 1.05, across = 1.15 }, not a text",
+            "recoil_permeability is one number, or a table such as { along = 1.05, across = 1.15 }, not a string",
         ),
         (
             "[tolerance]\n",
@@ -149,13 +153,15 @@ fn each_type_is_named_with_the_form_that_the_key_wants() {
 #[test]
 fn lists_of_wrong_lengths_and_elements_are_named() {
     let with = |size: &str| sentence("[[tile]]\nposition_mm = [5, 5, 5]\n", &format!("size_mm = {size}"));
-    assert!(with("\"1\"").starts_with("size_mm is a list of three numbers in mm, not a text, as in `size_mm = [3.3, "));
+    assert!(
+        with("\"1\"").starts_with("size_mm is a list of three numbers in mm, not a string, as in `size_mm = [3.3, ")
+    );
     for text in ["3.3, 1.7, 1", "3.3x1.7x1", "[3.3 1.7 1]"] {
         assert!(with(&format!("\"{text}\"")).ends_with(": write `size_mm = [3.3, 1.7, 1]`"), "{text}");
     }
     assert!(with("[1, 2]").starts_with("size_mm is a list of three numbers in mm, not a list of 2, as in"));
     assert!(with("[1, 2, 3, 4]").starts_with("size_mm is a list of three numbers in mm, not a list of 4, as in"));
-    assert_eq!(with("[1, 2, \"x\"]"), "each value of size_mm is a number in mm, not a text");
+    assert_eq!(with("[1, 2, \"x\"]"), "each value of size_mm is a number in mm, not a string");
     let matrix = |value: &str| sentence("[tile.rotation]\n", &format!("matrix = {value}"));
     let three = "a list of three numbers";
     assert!(matrix("[1, 2]").starts_with("matrix is a list of three rows, each of three numbers, not a list of 2"));

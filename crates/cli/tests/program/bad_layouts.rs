@@ -65,7 +65,7 @@ fn missing_keys_and_wrong_types_are_refused() {
     );
     refused(
         &format!("{HEAD}[[tile]]\nposition_mm = \"here\"\n"),
-        &["line 4", "is a list of three numbers in mm, not a text"],
+        &["line 4", "is a list of three numbers in mm, not a string"],
     );
     refused(
         &format!("{HEAD}{TILE}{}", VOLUME.replace("0.5", "\"fine\"")),

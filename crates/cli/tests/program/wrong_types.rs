@@ -56,10 +56,10 @@ fn strength(value: &str) -> String {
 
 #[test]
 fn numbers_where_lists_are_wanted() {
-    let three = "size_mm is a list of three numbers in mm, not a text, as in `size_mm = [3.3, 1.7, 1.0]`";
+    let three = "size_mm is a list of three numbers in mm, not a string, as in `size_mm = [3.3, 1.7, 1.0]`";
     told(&with("size_mm", "\"1\""), three);
     told(&with("size_mm", "\"3.3 mm\""), three);
-    told(&with("size_mm", "\"3.3, 1.7, 1\""), "not a text: write `size_mm = [3.3, 1.7, 1]`");
+    told(&with("size_mm", "\"3.3, 1.7, 1\""), "not a string: write `size_mm = [3.3, 1.7, 1]`");
     told(&with("size_mm", "1"), "size_mm is a list of three numbers in mm, not a number, as in `size_mm = [");
     told(&with("position_mm", "true"), "position_mm is a list of three numbers in mm, not true or false, as in");
     told(&with("position_mm", "{ x = 1 }"), "position_mm is a list of three numbers in mm, not a table, as in");
@@ -86,14 +86,14 @@ fn numbers_where_lists_are_wanted() {
     told(&format!("{HEAD}{lattice}3.3"), "x is a list of tables, not a number, as in `x = [{ widths_mm = [");
     told(&format!("{HEAD}{lattice}[{{ widths_mm = 3.3, pattern = [1] }}]"), "write `widths_mm = [3.3]`");
     let design = format!("{HEAD}{TILE}{IDEAL}{VOLUME}[design]\nvary = ");
-    told(&format!("{design}\"size\""), "vary is a list, not a text: write `vary = [\"size\"]`");
+    told(&format!("{design}\"size\""), "vary is a list, not a string: write `vary = [\"size\"]`");
     told(&format!("{design}[3]"), "each value of vary is a word in quotes, not a number");
 }
 
 #[test]
 fn other_values_where_numbers_are_wanted() {
     told(&strength("\"200 mT\""), "strength_t is a number in tesla, without quotes and unit: write 0.2");
-    told(&strength("\"strong\""), "strength_t is a number in tesla, not a text");
+    told(&strength("\"strong\""), "strength_t is a number in tesla, not a string");
     told(
         &strength("[0, 0, 1]"),
         "strength_t is one number in tesla, not a list, as in `strength_t = 0.12`\nMagnitude of the polarization",
@@ -106,8 +106,8 @@ fn other_values_where_numbers_are_wanted() {
         "each value of count is an integer, at least 0, not 2.5",
     );
     told(&tile("").replace("format = 1", "format = \"1\""), "format is an integer, without quotes: write 1");
-    told(&tile("name = 3"), "name is a text in quotes: write `name = \"3\"`");
-    told(&tile("name = [3]"), "name is a text in quotes, not a list");
+    told(&tile("name = 3"), "name is a string in quotes: write `name = \"3\"`");
+    told(&tile("name = [3]"), "name is a string in quotes, not a list");
 }
 
 #[test]
@@ -124,14 +124,14 @@ fn other_values_where_tables_are_wanted() {
     );
     let expect = |keys: &str| format!("{HEAD}{TILE}{IDEAL}{VOLUME}[expect]\n{keys}\n");
     told(&expect("clearance_mm = 3.0"), "clearance_mm is a table, not a number: write `clearance_mm = { min = 3 }`");
-    told(&expect("clearance_mm = \"3\""), "clearance_mm is a table, not a text: write `clearance_mm = { min = 3 }`");
+    told(&expect("clearance_mm = \"3\""), "clearance_mm is a table, not a string: write `clearance_mm = { min = 3 }`");
     told(&expect("amplitude = { min = \"0.8\" }"), "min is a number, without quotes: write 0.8");
     told(
         &expect("uniformity_rmse = 0.05"),
         "uniformity_rmse is a table, not a number, as in `uniformity_rmse = { r_x = ",
     );
-    told(&expect("field = \"a.csv\""), "field is a table, not a text, as in `field = { file = ");
-    told(&expect("field = { file = 3, within = 1e-9 }"), "file is a text in quotes: write `file = \"3\"`");
+    told(&expect("field = \"a.csv\""), "field is a table, not a string, as in `field = { file = ");
+    told(&expect("field = { file = 3, within = 1e-9 }"), "file is a string in quotes: write `file = \"3\"`");
     let design = format!("{HEAD}{TILE}{IDEAL}{VOLUME}[design]\nvary = [\"size\"]\n");
     told(&format!("{design}thickness_mm = 1"), "thickness_mm is a table, not a number, as in `thickness_mm = { min = ");
     told(&format!("{design}goal = 3"), "goal is a word in quotes, not a number");

@@ -37,7 +37,7 @@ impl KeyForm<'_> {
                 let unit = if self.unit().is_some() { " and unit" } else { "" };
                 format!("{subject} is a number{in_unit}, without quotes{unit}: write {number}")
             }
-            (Kind::Number, Some(_), None) => format!("{subject} is a number{in_unit}, not a text"),
+            (Kind::Number, Some(_), None) => format!("{subject} is a number{in_unit}, not a string"),
             (Kind::Integer { .. }, Some(_), Some(number)) => {
                 format!("{subject} is an integer, without quotes: write {number}")
             }
@@ -72,12 +72,12 @@ impl KeyForm<'_> {
             Kind::Number => format!("one number{in_unit}"),
             Kind::Integer { is_unsigned: true } => "an integer, at least 0".to_owned(),
             Kind::Integer { .. } => "an integer".to_owned(),
-            Kind::Text => "a text in quotes".to_owned(),
+            Kind::Text => "a string in quotes".to_owned(),
             Kind::Word(_) => "a word in quotes".to_owned(),
             Kind::Table => "a table".to_owned(),
             Kind::List(items, None) => match items.kind() {
                 Kind::Number => format!("a list of numbers{in_unit}"),
-                Kind::Text => "a list of texts in quotes".to_owned(),
+                Kind::Text => "a list of strings in quotes".to_owned(),
                 Kind::Table => "a list of tables".to_owned(),
                 _ => "a list".to_owned(),
             },
@@ -121,7 +121,7 @@ impl KeyForm<'_> {
             kind => matches!(kind, Kind::List(_, Some(_))),
         };
         match value {
-            DeValue::String(_) => "a text".to_owned(),
+            DeValue::String(_) => "a string".to_owned(),
             DeValue::Array(list) if wants_list => format!("a list of {}", list.len()),
             DeValue::Array(_) => "a list".to_owned(),
             DeValue::Table(_) => "a table".to_owned(),

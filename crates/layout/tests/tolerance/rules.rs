@@ -143,7 +143,7 @@ fn each_rule_states_value_and_place() {
     }
     // A distribution of the wrong type or with an unknown key is a syntax error with its place.
     for (tables, rule) in [
-        (strength_of("\"1 %\""), "strength is one number, or a table such as { uniform = 0.1 }, not a text"),
+        (strength_of("\"1 %\""), "strength is one number, or a table such as { uniform = 0.1 }, not a string"),
         (strength_of("{ sigma = 1 }"), "unknown field `sigma`"),
         (
             with("position_mm = [1, 2]"),
