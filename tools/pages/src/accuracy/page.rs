@@ -129,10 +129,12 @@ const BOUNDS: &str = "
 
 For one unrotated tile, these bounds hold at every point that is not on an exposed edge:
 
-* B and H are right to 2e-14 of the sum of the fields that the three components of J make alone.
-  This sum is at most a few times |B|, except where the fields of the components cancel.
-* Nearer to the tile than 0.08 of its largest side, B and H are right to 4e-15 of that sum.
-* The largest component of dB/dr is right to 2e-14.
+* The error of B and H is at most 2e-14 of the sum of the magnitudes of the fields of the three
+  components of J. This sum is at most a few times |B|, except where the fields of the components
+  cancel.
+* Nearer to the tile than 0.08 of its largest side, the error of B and H is at most 4e-15 of this
+  sum.
+* The relative error of the largest component of dB/dr is at most 2e-14.
 
 For a scene, the same fractions apply to the sum over its tiles. The tests in `tests/field/` check
 these bounds on the tables, on ten thousand random tiles and points, and on scenes of many tiles,

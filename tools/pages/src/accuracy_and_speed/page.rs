@@ -113,14 +113,14 @@ fn comparison(page: &mut String, scenes: &[MeasuredScene], with_magpylib: bool) 
         let _ = write!(
             page,
             "\
-At every place some way of magsplice is at least as fast and at least as exact as
+At every place, magsplice has a method that is at least as fast and at least as accurate as
 {peers}, both by the largest and by the median error, according to the numbers below.
 "
         );
     } else {
         let _ = writeln!(
             page,
-            "**Peers in front of magsplice**, where no way of magsplice is both as fast and as exact:\n\n{}",
+            "**Peers in front of magsplice**, where no method of magsplice is both as fast and as accurate:\n\n{}",
             in_front.join("\n")
         );
     }

@@ -97,7 +97,7 @@ program needs a Python that can import magpylib (`pip install magpylib`), or `--
 All programs compute B of the same tiles at the same points in binary64 on one thread. They run in
 turns; times are medians of {runs} runs. The points are thinned evenly to {peer_pairs} tile-point
 pairs.
-magba 0.7.3 is called by its fastest function, `cuboid_B_batch`, for one tile after the other.
+magba 0.7.3 is called through its fastest function, `cuboid_B_batch`, one tile after the other.
 {magpylib}
 Times hold for the machine that wrote this page; ratios carry over to other machines.
 
@@ -121,8 +121,8 @@ const GROWTH: &str = "
 
 The first table gives the time of sheets of unit cubes of different J, at points 2 to 4 below them.
 The second table gives the time of the published film at points of its working volume. The third
-table gives the speedup of the published film with threads. Its last column is the speedup of as
-many independent scenes evaluated at the same time, the most that the machine allows.
+table gives the speedup of the published film with threads. Its last column is the speedup of the
+same number of independent scenes evaluated at the same time, the largest that the machine allows.
 
 ![Time for a tile and a point against their numbers](pictures/growth.svg)
 ";
