@@ -1,0 +1,17 @@
+//! Tests of the public interface: each table of a layout file, its rules, and its messages.
+
+mod briefs;
+mod compact;
+mod edited;
+mod in_memory;
+mod limits;
+mod made_tiles;
+mod material;
+mod messages;
+mod numbers;
+mod parts;
+mod rotations;
+mod sensor;
+mod single_tiles;
+mod tables;
+mod tolerance;
