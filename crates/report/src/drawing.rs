@@ -129,10 +129,8 @@ fn encoded(pixels: &Pixmap) -> Result<Vec<u8>, DrawError> {
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_pixel_dims(Some(png::PixelDimensions { xppu: per_metre, yppu: per_metre, unit: png::Unit::Meter }));
     // Figures are drawn on white paper, so every pixel is opaque.
-    let mut colours = Vec::with_capacity(3 * pixels.pixels().len());
-    for pixel in pixels.pixels() {
-        colours.extend_from_slice(&[pixel.red(), pixel.green(), pixel.blue()]);
-    }
-    encoder.write_header()?.write_image_data(&colours)?;
+    let (pixels, _) = pixels.data().as_chunks::<4>();
+    let colours: Vec<[u8; 3]> = pixels.iter().map(|[red, green, blue, _]| [*red, *green, *blue]).collect();
+    encoder.write_header()?.write_image_data(colours.as_flattened())?;
     Ok(file)
 }
