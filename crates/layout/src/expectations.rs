@@ -232,7 +232,7 @@ impl FigureBounds {
                         String::new()
                     };
                     messages.push(format!(
-                        "expect: {key} = {bound} is kept by {films}: it is not below half the wavelength, {half} mm{meant}"
+                        "expect: {key} = {bound} is met by {films}: it is not below half the wavelength, {half} mm{meant}"
                     ));
                 }
                 _ => {}

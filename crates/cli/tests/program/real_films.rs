@@ -192,7 +192,7 @@ fn tolerance_says_what_it_needs() {
     run(&["--save", "film.toml"]).refuses("film.toml: no format has the ending .toml");
     film(&sandbox, "size_mm = { normal = 0.3 }");
     let said = run(&["--samples", "2000"]);
-    said.refuses("a tile cannot exist");
+    said.refuses("a tile with these errors is invalid");
     assert!(said.stderr.contains("film.toml: sample "), "{}", said.stderr);
 }
 
@@ -319,8 +319,14 @@ fn budget_divides_the_error_into_its_causes() {
     let names = [&published[0]["name"], &published[1]["name"]];
     assert_eq!(names, ["splicing pattern", "end of the film"]);
     let text = sandbox.run(&["budget", "film.toml"]).stdout;
-    assert!(text.contains("the same splicing pattern, repeated endlessly, would have an error of 0.0032,"), "{text}");
-    assert!(text.contains("most worth halving") && text.contains("the first order holds within 5 %"), "{text}");
+    let words = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    for said in [
+        "the same splicing pattern, repeated endlessly, would have an error of 0.0032,",
+        "causes most worth halving",
+        "the first order holds within 5 %",
+    ] {
+        assert!(words.contains(said), "{text}");
+    }
     assert!(text.lines().all(|line| line.len() <= 100), "{text}");
 
     // Errors twenty times as large: samples of each cause divide the total.

@@ -79,7 +79,7 @@ fn cells_of_lattices_are_limited() {
     let body = lattice("{ widths_mm = [1, 1], pattern = [1, 0] }, { widths_mm = [1], pattern = [0], times = 1998 }");
     refused_with(
         &format!("[[tile]]\n{TILE}{body}"),
-        "has 2000 x 2000 cells, must be at most 4000000 tiles in the whole layout, 1 before",
+        "has 2000 x 2000 cells, must be at most 4000000 tiles in the whole layout, including the 1 before it",
     );
 }
 

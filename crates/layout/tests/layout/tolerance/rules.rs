@@ -210,7 +210,7 @@ fn tolerances_without_effect_are_findings() {
     assert_eq!(findings("[tolerance.sensor]\nnoise_ut = 0.001"), Vec::<String>::new());
     let alone = Layout::parse(&format!("{HEAD}[tolerance]\npreset = \"jig\"\n{TILES}"), "test").expect("valid");
     let found: Vec<String> = alone.findings.iter().map(Finding::to_string).collect();
-    assert!(found.len() == 1 && found[0].contains("beside [ideal] and [volume]"), "{found:?}");
+    assert!(found.len() == 1 && found[0].contains("only together with [ideal] and [volume]"), "{found:?}");
 }
 
 #[test]
@@ -247,7 +247,7 @@ fn limits_bound_memory_and_time() {
     });
     let message = parse(&entries).expect_err("too many values");
     assert!(
-        message.contains("strength: has too many tabulated values") && message.contains("at most 1000000"),
+        message.contains("strength: the layout has too many tabulated values") && message.contains("at most 1000000"),
         "{message}"
     );
     let message = parse(&format!("[tolerance]\nstrength = {{ values = [{values},{values}] }}")).expect_err("too many");
@@ -260,7 +260,7 @@ fn limits_bound_memory_and_time() {
         );
         text
     });
-    assert!(parse(&rows).expect_err("too many values").contains("this group: has too many tabulated values"));
+    assert!(parse(&rows).expect_err("too many values").contains("this group: the layout has too many tabulated values"));
 }
 
 #[test]
