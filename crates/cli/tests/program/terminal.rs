@@ -73,7 +73,7 @@ fn colours_are_for_terminals_and_respect_no_color() {
 #[test]
 fn number_of_threads_is_kept_and_changes_no_digit() {
     let sandbox = Sandbox::new();
-    let volume = "[volume]\nx_mm = [-4, 4]\ny_mm = [-4, 4]\nz_mm = [-8, -1]\nstep_mm = 0.05\n";
+    let volume = "[volume]\nx_mm = [-4, 4]\ny_mm = [-4, 4]\nz_mm = [-8, -1]\nstep_mm = 0.1\n";
     let tile = "[[tile]]\nposition_mm = [0, 0, 0]\nsize_mm = [1, 1, 1]\npolarization_t = [0, 0, 1]\n";
     sandbox.write("large.toml", &format!("format = 1\nname = \"large\"\n{volume}{tile}"));
     let mut firsts = Vec::new();
