@@ -5,23 +5,48 @@ use std::error::Error;
 use std::fmt::Write;
 use std::fs;
 use std::path::Path;
+use std::sync::LazyLock;
 use std::time::{Duration, Instant};
 
 use magsplice_layout::Layout;
 
 const TILE: &str = "position_mm = [0, 0, 0]\nsize_mm = [1, 1, 1]\npolarization_t = [0, 0, 1]\n";
 
-/// Far above the time that a linear reading takes on a slow machine, and far below that of a
-/// quadratic one.
-const LINEAR: Duration = Duration::from_secs(20);
+/// Largest time for a refused file, over the time for a file of valid tiles with as many bytes.
+/// Faulty files are read several times for their messages; a quadratic reading takes thousands of
+/// times as long.
+const LINEAR: f64 = 30.0;
+
+/// Number of valid tiles with which the time of refused files is compared.
+const VALID_TILES: usize = 5000;
+
+/// The time to read a file with this number of bytes and valid tiles, on this machine and now.
+fn time_of_valid(bytes: usize) -> Duration {
+    static SECONDS_PER_BYTE: LazyLock<f64> = LazyLock::new(|| {
+        let text = (0..VALID_TILES).fold("format = 1\nname = \"test\"\n".to_owned(), |mut text, n| {
+            let tile = TILE.replacen("[0, 0, 0]", &format!("[{}, 0, 0]", 2 * n), 1);
+            let _ = write!(text, "[[tile]]\n{tile}");
+            text
+        });
+        let start = Instant::now();
+        assert_eq!(Layout::parse(&text, "valid.toml").expect("valid").tiles.len(), VALID_TILES);
+        start.elapsed().as_secs_f64() / text.len() as f64
+    });
+    // A short file takes as long as its largest allowed number of cells or copies.
+    Duration::from_secs_f64(*SECONDS_PER_BYTE * bytes.max(SHORT_BYTES) as f64)
+}
+
+/// Bytes up to which a file counts as long as this.
+const SHORT_BYTES: usize = 1 << 20;
 
 /// The message with which a layout of these tables is refused.
 #[track_caller]
 fn refused(body: &str) -> String {
-    let start = Instant::now();
     let text = format!("format = 1\nname = \"test\"\n{body}");
+    let limit = time_of_valid(text.len()).mul_f64(LINEAR);
+    let start = Instant::now();
     let message = Layout::parse(&text, "test.toml").expect_err("the layout is faulty").to_string();
-    assert!(start.elapsed() < LINEAR, "took {:?}", start.elapsed());
+    assert!(start.elapsed() < limit, "took {:?}, must take less than {limit:?}", start.elapsed());
     assert!(message.lines().count() <= 21 && message.len() < 20_000, "{} bytes: {message:.2000}", message.len());
     let is_printable = |c: char| c == '\n' || !(c.is_control() || c == '\u{2028}' || c == '\u{202e}');
     assert!(message.chars().all(is_printable), "{message:?}");

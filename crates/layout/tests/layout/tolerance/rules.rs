@@ -260,7 +260,9 @@ fn limits_bound_memory_and_time() {
         );
         text
     });
-    assert!(parse(&rows).expect_err("too many values").contains("this group: the layout has too many tabulated values"));
+    assert!(
+        parse(&rows).expect_err("too many values").contains("this group: the layout has too many tabulated values")
+    );
 }
 
 #[test]
