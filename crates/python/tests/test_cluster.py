@@ -91,5 +91,5 @@ def test_fronts_on_workers_are_those_of_one_process(client):
 
 def test_errors_on_workers_are_raised_here(client, published):
     broken = published.replace(tolerance={"size_mm": 0.3})
-    with pytest.raises(magsplice.MagspliceError, match=r"sample .* a tile with these errors is invalid"):
+    with pytest.raises(magsplice.MagspliceError, match=r"sample .* errors is invalid"):
         broken.tolerance(100, client=client)
