@@ -15,6 +15,8 @@ use magsplice_sensor::{LocateError, PolynomialError, SensedFieldError, Stiffness
 use magsplice_tolerance::SampleError;
 use thiserror::Error;
 
+use crate::results::placement::SensorPlacement;
+
 /// Why a film could not be evaluated.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
@@ -95,6 +97,10 @@ pub enum FilmError {
     /// A scan cannot be diagnosed.
     #[error("{0}")]
     Diagnosis(#[source] DiagnosisError),
+    /// The film as ordered explains a scan with another placement of the sensor, so that its errors
+    /// of tiles would be wrong.
+    #[error("{0}")]
+    Misplaced(Box<SensorPlacement>),
     /// Measured tiles cannot be assigned.
     #[error("{}", assignment_words(error, tile, groups))]
     Assignment {

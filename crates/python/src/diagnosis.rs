@@ -39,7 +39,8 @@ pub(crate) fn diagnose<'py>(
     };
     let noise = noise_t.map(|deviation_t| Noise { deviation_t: deviation_t.into() });
     let film = film.with_tables(py, layout)?;
-    let found = run(py, film, |film| film.diagnose(points, readings_t, noise, free, false_alarm))?;
+    let indices: Vec<u64> = (0..points.len() as u64).collect();
+    let found = run(py, film, |film| film.diagnose(&points, readings_t, &indices, noise, free, false_alarm))?;
     let tiles = &found.diagnosis.errors;
     let errors = TileError::ALL.map(|error| {
         let of_tiles = tiles.iter().map(|of_tile| error.shown(of_tile[error])).collect();

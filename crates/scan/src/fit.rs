@@ -3,17 +3,19 @@
 use glam::DVec3;
 use magsplice_sensor::SensedField;
 
+use crate::exclusion::Exclusion;
 use crate::fit_error::ScanError;
 use crate::least_squares::{Scan, ScanFit};
 use crate::parameters::{FreeParameters, ScanParameters};
+use crate::starts::{SIMILAR, Search, Start, starts};
 
 /// Number of standard deviations from the fit beyond which a component is an outlier. Among a
 /// million normal errors, one exceeds five standard deviations in half of all scans, and six in one
 /// scan of 500.
-const OUTLIER: f64 = 6.0;
+pub(crate) const OUTLIER: f64 = 6.0;
 
 /// The standard deviation of normal errors over the median of their magnitudes.
-const DEVIATION_OVER_MEDIAN: f64 = 1.482_602_218_505_602;
+pub(crate) const DEVIATION_OVER_MEDIAN: f64 = 1.482_602_218_505_602;
 
 /// Smallest assumed noise, as a fraction of the root mean square of the readings, so that round-off
 /// has no outliers.
@@ -23,14 +25,40 @@ const LEAST_NOISE: f64 = 1e-12;
 const OUTLIER_ROUNDS: usize = 20;
 
 /// Largest share of outliers. Beyond it the scan belongs to another film.
-const MOST_OUTLIERS: f64 = 0.2;
+pub(crate) const MOST_OUTLIERS: f64 = 0.2;
+
+/// Residual over the noise of the sensor, and over the root mean square of the readings, up to
+/// which other starts are not tried.
+const EXPECTED_RESIDUAL: f64 = 3.0;
+const SMALL_RESIDUAL: f64 = 0.01;
+
+/// The same for a fit close to the perfect scan: its strength, and its rotation in radians, differ
+/// by at most `CLOSE`. The residual of a film as made is a few per cent.
+const MADE_RESIDUAL: f64 = 0.1;
+const CLOSE: f64 = 0.3;
+
+/// Residual of a fit from another start, over the residual from a perfect scan, above which the
+/// scan has no exchanged axes: they are a strong claim.
+const BETTER: f64 = 0.5;
+
+/// Largest residual over the root mean square of the readings. A film as made has a few per cent,
+/// a film of the same wavelength with other tiles from ten. No parameters are reported beyond it.
+const MOST_RESIDUAL: f64 = 0.2;
 
 /// Fits the parameters of a scan: readings of a sensor, in tesla, at positions of the scan.
 ///
-/// Gauss-Newton steps begin with the perfect scan and use the exact field and its gradient.
-/// Readings farther from the fit than six standard deviations are excluded and the rest is fitted
-/// anew, until no further reading is excluded. The median of the residuals gives the standard
-/// deviation.
+/// Gauss-Newton steps use the exact field and its gradient. They begin with the orientation that
+/// explains the readings best, found by linear regression, else with the perfect scan. Readings
+/// farther from the fit than six standard deviations are excluded and the rest is fitted anew,
+/// until no further reading is excluded. The median of the residuals gives the standard deviation.
+/// Readings that are not finite, or at the limit of the sensor's range, are excluded from the
+/// beginning.
+///
+/// Unless the fit is as expected (its residual is the noise of the sensor or 1 % of the readings;
+/// or 10 %, with nearly the strength of the layout), other starts are searched, as far as `free`
+/// has rotation and start: the 48 signed exchanges of the axes of the stage, then shifts of the
+/// scan about `centre`, the likely place of its middle. A start with more changes is reported if it
+/// fits twice as well.
 ///
 /// # Errors
 /// See [`ScanError`].
@@ -42,36 +70,123 @@ pub fn fit_scan<'a>(
     points: &[DVec3],
     readings_t: &[DVec3],
     free: FreeParameters,
+    centre: Option<DVec3>,
 ) -> Result<ScanFit, ScanError> {
     assert_eq!(points.len(), readings_t.len(), "one reading per point");
+    let field = field.into();
+    let sensor = *field.sensor();
+    let unusable: Vec<Option<Exclusion>> =
+        readings_t.iter().map(|reading_t| Exclusion::of_reading(&sensor, *reading_t)).collect();
+    let usable = unusable.iter().filter(|exclusion| exclusion.is_none()).count();
     let needed = free.count().div_ceil(3) + 1;
-    if readings_t.len() < needed {
-        return Err(ScanError::TooFew { readings: readings_t.len(), needed });
+    if usable < needed {
+        return Err(ScanError::TooFew { readings: usable, needed, excluded: readings_t.len() - usable });
     }
-    let scan = Scan::new(&field.into(), points, readings_t, free)?;
-    let mut is_outlier = vec![false; points.len()];
-    let mut parameters = ScanParameters::PERFECT;
+    let readings_t: Vec<DVec3> =
+        readings_t.iter().map(|reading_t| (*reading_t - sensor.offset_t) / sensor.gain).collect();
+    let field = field.without_gain_and_offset();
+    let from = |start: &Start| fit_from(&field, points, &readings_t, &unusable, free, start);
+    let expected_t = EXPECTED_RESIDUAL * (sensor.deviation_t() / sensor.gain.abs()).max_element();
+    let is_expected = |fit: &ScanFit| is_expected(fit, &readings_t, expected_t);
+    let found = |search: Search| -> Option<ScanFit> {
+        let starts = match search.is_free(free) {
+            true => starts(search, &field, points, &readings_t, &unusable, free, centre),
+            false => Vec::new(),
+        };
+        let fits: Vec<ScanFit> = starts.iter().filter_map(|start| from(start).ok()).collect();
+        let least_t = fits.iter().map(|fit| fit.noise_t).fold(f64::INFINITY, f64::min);
+        fits.into_iter().find(|fit| fit.noise_t <= SIMILAR * least_t)
+    };
+    let oriented = found(Search::Sensor);
+    let mut best = match oriented {
+        Some(fit) if is_expected(&fit) => Ok(fit),
+        oriented => better(from(&Start::PERFECT), oriented),
+    };
+    for search in [Search::Stage, Search::Shifts] {
+        if !best.as_ref().is_ok_and(is_expected) {
+            best = better(best, found(search));
+        }
+    }
+    let fit = best?;
+    let reading_t = root_mean_square(&fit, &readings_t);
+    if free == FreeParameters::ALL && fit.noise_t > MOST_RESIDUAL * reading_t {
+        return Err(ScanError::Misfit { residual_t: fit.noise_t, reading_t });
+    }
+    Ok(fit)
+}
+
+/// The fit of less changes, or the other if it fits twice as well.
+fn better(fit: Result<ScanFit, ScanError>, other: Option<ScanFit>) -> Result<ScanFit, ScanError> {
+    match (fit, other) {
+        // A film of negative strength before a rotated sensor is the film before a reflected
+        // sensor.
+        (Ok(fit), Some(other)) if fit.parameters.strength > 0.0 && other.noise_t >= BETTER * fit.noise_t => Ok(fit),
+        (_, Some(other)) => Ok(other),
+        (fit, None) => fit,
+    }
+}
+
+/// Whether a fit leaves no doubt about axes and place of the scan.
+fn is_expected(fit: &ScanFit, readings_t: &[DVec3], noise_t: f64) -> bool {
+    let residual = fit.noise_t / root_mean_square(fit, readings_t);
+    let ScanParameters { strength, rotation_rad, .. } = fit.parameters;
+    let is_close = (strength - 1.0).abs() < CLOSE && rotation_rad.length() < CLOSE;
+    let is_small = fit.noise_t <= noise_t || residual <= SMALL_RESIDUAL;
+    (strength > 0.0 && is_small) || (is_close && residual <= MADE_RESIDUAL)
+}
+
+/// Root mean square of a component of the readings of a fit, without their offset.
+fn root_mean_square(fit: &ScanFit, readings_t: &[DVec3]) -> f64 {
+    let used = (0..readings_t.len()).filter(|index| fit.exclusions[*index].is_none());
+    let squares: Vec<f64> = used.map(|index| (readings_t[index] - fit.offset_t()).length_squared()).collect();
+    (squares.iter().sum::<f64>() / (3 * squares.len().max(1)) as f64).sqrt()
+}
+
+/// The fit from a start, with outliers excluded.
+fn fit_from(
+    field: &SensedField,
+    points: &[DVec3],
+    readings_t: &[DVec3],
+    unusable: &[Option<Exclusion>],
+    free: FreeParameters,
+    start: &Start,
+) -> Result<ScanFit, ScanError> {
+    let scan = Scan::new(field, points, readings_t, unusable, free, start)?;
+    let least_noise_t = LEAST_NOISE * scan.field_scale_t;
+    let usable = unusable.iter().filter(|exclusion| exclusion.is_none()).count();
+    let is_excess = |exclusions: &[Option<Exclusion>]| {
+        let count = exclusions.iter().filter(|exclusion| **exclusion == Some(Exclusion::Outlier)).count();
+        (count as f64 > MOST_OUTLIERS * usable as f64).then_some(count)
+    };
+    // Readings far off already at the start would pull the first fit.
+    let mut exclusions = with_outliers(&scan.residuals_t(&start.parameters)?, unusable, least_noise_t);
+    if is_excess(&exclusions).is_some() {
+        exclusions = unusable.to_vec();
+    }
+    let mut parameters = start.parameters;
     for _ in 0..OUTLIER_ROUNDS {
-        let fit = scan.fit(parameters, &is_outlier)?;
+        let fit = scan.fit(parameters, &exclusions)?;
         parameters = fit.parameters;
-        let found = outliers(&fit.residuals_t, LEAST_NOISE * scan.field_scale_t);
-        let outliers = found.iter().filter(|is_outlier| **is_outlier).count();
-        if outliers as f64 > MOST_OUTLIERS * points.len() as f64 {
+        let found = with_outliers(&scan.residuals_t(&parameters)?, unusable, least_noise_t);
+        if let Some(outliers) = is_excess(&found) {
             return Err(ScanError::AnotherFilm { outliers });
         }
-        if found == is_outlier {
+        if found == exclusions {
             return Ok(fit);
         }
-        is_outlier = found;
+        exclusions = found;
     }
     Err(ScanError::NoConvergence)
 }
 
-/// Whether each residual is an outlier.
-fn outliers(residuals_t: &[DVec3], least_noise_t: f64) -> Vec<bool> {
-    let mut magnitudes: Vec<f64> = residuals_t.iter().flat_map(|residual| residual.abs().to_array()).collect();
+/// The exclusions of unusable readings and of outliers.
+fn with_outliers(residuals_t: &[DVec3], unusable: &[Option<Exclusion>], least_noise_t: f64) -> Vec<Option<Exclusion>> {
+    let used = residuals_t.iter().zip(unusable).filter(|(_, exclusion)| exclusion.is_none());
+    let mut magnitudes: Vec<f64> = used.flat_map(|(residual, _)| residual.abs().to_array()).collect();
     let middle = magnitudes.len() / 2;
     let (_, median, _) = magnitudes.select_nth_unstable_by(middle, f64::total_cmp);
     let limit = OUTLIER * (DEVIATION_OVER_MEDIAN * *median).max(least_noise_t);
-    residuals_t.iter().map(|residual| residual.abs().max_element() > limit).collect()
+    let is_outlier = |residual: &DVec3| residual.abs().max_element() > limit;
+    let outlier = |residual| is_outlier(residual).then_some(Exclusion::Outlier);
+    residuals_t.iter().zip(unusable).map(|(residual, exclusion)| exclusion.or_else(|| outlier(residual))).collect()
 }

@@ -10,10 +10,15 @@ use crate::parameters::ScanParameter;
 #[non_exhaustive]
 pub enum ScanError {
     /// There are too few readings for the parameters.
-    #[error("too few readings for the parameters: {readings}, must be at least {needed}")]
+    #[error(
+        "too few readings for the parameters: {readings}{}, must be at least {needed}",
+        if *excluded > 0 { format!(" beside {excluded} incomplete or saturated") } else { String::new() }
+    )]
     TooFew {
-        /// Number of readings.
+        /// Number of usable readings.
         readings: usize,
+        /// Number of readings that are incomplete or at the limit of the sensor's range.
+        excluded: usize,
         /// Smallest sufficient number of readings.
         needed: usize,
     },
@@ -34,6 +39,17 @@ pub enum ScanError {
     AnotherFilm {
         /// Number of readings far from the fit.
         outliers: usize,
+    },
+    /// The residuals are a large part of the readings.
+    #[error(
+        "the layout does not explain the scan: the residual of the best fit is {:.0} uT, {:.0} % of the readings: the scan \
+         belongs to another film, or its positions are wrong", 1e6 * residual_t, 100.0 * residual_t / reading_t
+    )]
+    Misfit {
+        /// Standard deviation of the residuals of one component, in tesla.
+        residual_t: f64,
+        /// Root mean square of a component of the readings without offset, in tesla.
+        reading_t: f64,
     },
     /// The steps did not converge.
     #[error("the fit does not converge: the positions may have errors of more than a quarter of a wavelength")]

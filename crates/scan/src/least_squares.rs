@@ -2,12 +2,14 @@
 //! (docs/physics.md, section 8).
 
 use glam::{DMat3, DQuat, DVec3};
-use magsplice_magnet::HallSensor;
 use magsplice_sensor::SensedField;
 use nalgebra::{SMatrix, SVector, SymmetricEigen};
 
+use crate::exclusion::Exclusion;
 use crate::fit_error::ScanError;
 use crate::parameters::{FreeParameters, ScanParameter, ScanParameters};
+use crate::signed_axes::SignedAxes;
+use crate::starts::Start;
 
 const PARAMETERS: usize = ScanParameter::ALL.len();
 
@@ -34,9 +36,13 @@ const LEAST_PART: f64 = 0.3;
 
 /// A scan with its parameters to fit.
 pub(crate) struct Scan<'a> {
-    field: SensedField<'a>,
-    points: &'a [DVec3],
+    field: &'a SensedField<'a>,
+    /// Positions along the axes of the tiles.
+    points: Vec<DVec3>,
+    /// Readings along the axes of a sensor without exchanged axes.
     readings_t: Vec<DVec3>,
+    sensor_axes: SignedAxes,
+    stage_axes: SignedAxes,
     free: FreeParameters,
     /// Root mean square of the field, in tesla.
     pub(crate) field_scale_t: f64,
@@ -44,20 +50,53 @@ pub(crate) struct Scan<'a> {
     scales: Vector,
 }
 
-/// A fitted scan.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+/// A fitted scan. The sensor at p of the stage reads `sensor_axes` of the reading with these
+/// parameters at `stage_axes` of p.
+#[derive(Clone, Debug, PartialEq)]
 pub struct ScanFit {
-    /// The parameters.
+    /// The parameters. The offset is along axes that are not exchanged; see [`ScanFit::offset_t`].
     pub parameters: ScanParameters,
     /// Standard deviations of the parameters, from the residuals; 0 for fixed parameters.
     pub deviations: ScanParameters,
-    /// Standard deviation of the residuals of one component, without outliers, in tesla.
+    /// Exchanged or reversed axes of the sensor that no rotation explains.
+    pub sensor_axes: SignedAxes,
+    /// Exchanged or reversed axes of the positions.
+    pub stage_axes: SignedAxes,
+    /// Standard deviation of the residuals of one component, without excluded readings, in tesla.
     pub noise_t: f64,
-    /// Reading minus fit at each point, including outliers, in tesla and along the axes of the
-    /// sensor.
+    /// Reading minus fit at each point, including excluded readings, in tesla and along the axes of
+    /// the sensor.
     pub residuals_t: Vec<DVec3>,
-    /// Indices of the excluded readings, in ascending order.
-    pub outliers: Vec<usize>,
+    /// The reason why a reading is excluded, for each reading.
+    pub exclusions: Vec<Option<Exclusion>>,
+}
+
+impl ScanFit {
+    /// The constant reading along the axes of the sensor, in tesla.
+    pub fn offset_t(&self) -> DVec3 {
+        self.sensor_axes.apply(self.parameters.offset_t)
+    }
+
+    /// Standard deviations of [`ScanFit::offset_t`].
+    pub fn offset_deviation_t(&self) -> DVec3 {
+        self.sensor_axes.apply(self.deviations.offset_t).abs()
+    }
+
+    /// Whether neither the sensor nor the positions have exchanged or reversed axes.
+    pub fn has_stated_axes(&self) -> bool {
+        [self.sensor_axes, self.stage_axes] == [SignedAxes::SAME; 2]
+    }
+
+    /// Where the sensor was, in the frame of the tiles, at a position of the stage.
+    pub fn place(&self, point: DVec3) -> DVec3 {
+        self.stage_axes.apply(point) + self.parameters.start
+    }
+
+    /// The field, in the frame of the tiles, read by a sensor without offset, rotation and
+    /// exchanged axes.
+    pub fn corrected_t(&self, reading_t: DVec3) -> DVec3 {
+        self.parameters.corrected_t(self.sensor_axes.inverse().apply(reading_t))
+    }
 }
 
 /// Residuals, and the normal equations of a step.
@@ -69,19 +108,24 @@ struct Linearized {
 }
 
 impl<'a> Scan<'a> {
-    /// A scan with these parameters to fit.
+    /// A scan with these parameters to fit. `readings_t` have neither gain nor offset of the
+    /// sensor.
     pub(crate) fn new(
-        field: &SensedField<'a>,
-        points: &'a [DVec3],
+        field: &'a SensedField<'a>,
+        points: &[DVec3],
         readings_t: &[DVec3],
+        unusable: &[Option<Exclusion>],
         free: FreeParameters,
+        start: &Start,
     ) -> Result<Scan<'a>, ScanError> {
-        let HallSensor { offset_t, gain, .. } = *field.sensor();
-        let readings_t = readings_t.iter().map(|reading| (*reading - offset_t) / gain).collect();
-        let field = field.without_gain_and_offset();
-        let field_t = field.readings_t(points).map_err(ScanError::Points)?;
-        let gradient = field.gradients(points).map_err(ScanError::Points)?;
-        let count = points.len() as f64;
+        let Start { sensor_axes, stage_axes, parameters } = *start;
+        let readings_t = readings_t.iter().map(|reading| sensor_axes.inverse().apply(*reading)).collect();
+        let points: Vec<DVec3> = points.iter().map(|point| stage_axes.apply(*point)).collect();
+        let used = points.iter().zip(unusable).filter(|(_, exclusion)| exclusion.is_none());
+        let places: Vec<DVec3> = used.map(|(point, _)| *point + parameters.start).collect();
+        let field_t = field.readings_t(&places).map_err(ScanError::Points)?;
+        let gradient = field.gradients(&places).map_err(ScanError::Points)?;
+        let count = places.len() as f64;
         let field_scale_t = (field_t.iter().map(|field| field.length_squared()).sum::<f64>() / count).sqrt();
         let square = |gradient: &DMat3| gradient.to_cols_array().iter().map(|g| g * g).sum::<f64>();
         let gradient_scale = (gradient.iter().map(square).sum::<f64>() / count).sqrt();
@@ -94,23 +138,30 @@ impl<'a> Scan<'a> {
             ScanParameter::Offset(_) => field_scale_t,
             ScanParameter::Start(_) => length,
         });
-        Ok(Scan { field, points, readings_t, free, field_scale_t, scales })
+        Ok(Scan { field, points, readings_t, sensor_axes, stage_axes, free, field_scale_t, scales })
     }
 
-    /// Fits the readings without outliers.
-    pub(crate) fn fit(&self, start: ScanParameters, is_outlier: &[bool]) -> Result<ScanFit, ScanError> {
+    /// Reading minus model at each point.
+    pub(crate) fn residuals_t(&self, parameters: &ScanParameters) -> Result<Vec<DVec3>, ScanError> {
+        let places: Vec<DVec3> = self.points.iter().map(|point| *point + parameters.start).collect();
+        let field_t = self.field.readings_t(&places).map_err(ScanError::Points)?;
+        Ok(field_t.into_iter().zip(&self.readings_t).map(|(b, reading)| *reading - parameters.reading_t(b)).collect())
+    }
+
+    /// Fits the readings that are not excluded.
+    pub(crate) fn fit(&self, start: ScanParameters, exclusions: &[Option<Exclusion>]) -> Result<ScanFit, ScanError> {
         let mut parameters = start;
-        let mut at = self.linearized(&parameters, is_outlier)?;
+        let mut at = self.linearized(&parameters, exclusions)?;
         for _ in 0..MOST_STEPS {
             let step = self.step(&at)?;
             let mut shortened = step;
             let (next, there) = loop {
                 let next = self.moved(&parameters, &shortened);
                 // A step to points without a field is too long.
-                match self.linearized(&next, is_outlier) {
+                match self.linearized(&next, exclusions) {
                     Ok(there) if there.sum_of_squares <= at.sum_of_squares => break (next, there),
                     _ if shortened.norm() < SHORTEST_STEP * step.norm().max(1.0) => {
-                        break (parameters, self.linearized(&parameters, is_outlier)?);
+                        break (parameters, self.linearized(&parameters, exclusions)?);
                     }
                     _ => shortened *= 0.5,
                 }
@@ -119,13 +170,17 @@ impl<'a> Scan<'a> {
             let is_over = gain <= LEAST_GAIN * at.sum_of_squares;
             (parameters, at) = (next, there);
             if is_over {
-                return self.fitted(parameters, at, is_outlier);
+                return self.fitted(parameters, at, exclusions);
             }
         }
         Err(ScanError::NoConvergence)
     }
 
-    fn linearized(&self, parameters: &ScanParameters, is_outlier: &[bool]) -> Result<Linearized, ScanError> {
+    fn linearized(
+        &self,
+        parameters: &ScanParameters,
+        exclusions: &[Option<Exclusion>],
+    ) -> Result<Linearized, ScanError> {
         let places: Vec<DVec3> = self.points.iter().map(|point| *point + parameters.start).collect();
         let field_t = self.field.readings_t(&places).map_err(ScanError::Points)?;
         let gradient = self.field.gradients(&places).map_err(ScanError::Points)?;
@@ -135,7 +190,7 @@ impl<'a> Scan<'a> {
         for (index, (field_t, gradient)) in field_t.into_iter().zip(gradient).enumerate() {
             let residual = self.readings_t[index] - parameters.reading_t(field_t);
             residuals_t.push(residual);
-            if is_outlier[index] {
+            if exclusions[index].is_some() {
                 continue;
             }
             sum_of_squares += residual.length_squared();
@@ -216,9 +271,13 @@ impl<'a> Scan<'a> {
         }
     }
 
-    fn fitted(&self, parameters: ScanParameters, at: Linearized, is_outlier: &[bool]) -> Result<ScanFit, ScanError> {
-        let outliers: Vec<usize> = (0..is_outlier.len()).filter(|index| is_outlier[*index]).collect();
-        let kept = is_outlier.len() - outliers.len();
+    fn fitted(
+        &self,
+        parameters: ScanParameters,
+        at: Linearized,
+        exclusions: &[Option<Exclusion>],
+    ) -> Result<ScanFit, ScanError> {
+        let kept = exclusions.iter().filter(|exclusion| exclusion.is_none()).count();
         let freedom = (3 * kept).saturating_sub(self.free.count()).max(1);
         let noise_t = (at.sum_of_squares / freedom as f64).sqrt();
         let covariance = self.inverse(&at.normal)?;
@@ -226,7 +285,15 @@ impl<'a> Scan<'a> {
             let index = parameter.index();
             noise_t * covariance[(index, index)].max(0.0).sqrt() * self.scales[index]
         });
-        Ok(ScanFit { parameters, deviations, noise_t, residuals_t: at.residuals_t, outliers })
+        Ok(ScanFit {
+            parameters,
+            deviations,
+            sensor_axes: self.sensor_axes,
+            stage_axes: self.stage_axes,
+            noise_t,
+            residuals_t: at.residuals_t.into_iter().map(|residual| self.sensor_axes.apply(residual)).collect(),
+            exclusions: exclusions.to_vec(),
+        })
     }
 }
 

@@ -18,6 +18,8 @@
 
 /// Faulty tiles of a film as made, from a scan of its field.
 mod diagnosis;
+/// Readings that a fit does not use.
+mod exclusion;
 /// Fits of measured scans.
 mod fit;
 /// Errors of a fit.
@@ -28,13 +30,19 @@ mod least_squares;
 mod parameters;
 /// The positions of a scan.
 mod positions;
+/// Exchanged and reversed axes.
+mod signed_axes;
+/// Where a fit starts.
+mod starts;
 
 pub use diagnosis::{
     Candidate, DetectedError, Diagnosis, DiagnosisError, DiagnosisSettings, ErrorKind, FieldScan, FittedError,
     NarrowedError, ScanDiagnosis, SimilarErrors,
 };
+pub use exclusion::Exclusion;
 pub use fit::fit_scan;
 pub use fit_error::ScanError;
 pub use least_squares::ScanFit;
 pub use parameters::{FreeParameters, ScanParameter, ScanParameters};
 pub use positions::ScanPositions;
+pub use signed_axes::SignedAxes;

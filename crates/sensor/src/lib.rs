@@ -46,6 +46,8 @@ mod locator;
 mod noise;
 /// Positions as polynomials of the parameters.
 mod polynomial;
+/// The mean of readings at rest.
+mod rest;
 /// The readings of a sensor in a field.
 mod sensed_field;
 /// Starting points of the search.
@@ -57,5 +59,6 @@ pub use experiment::{ExperimentSettings, ExperimentStep, displacements, experime
 pub use locator::{LocateError, Located, Locator};
 pub use noise::Noise;
 pub use polynomial::{DisplacementPolynomial, PolynomialError};
+pub use rest::mean_at_rest;
 pub use sensed_field::{SensedField, SensedFieldError};
 pub use stiffness::{Stiffness, StiffnessError};

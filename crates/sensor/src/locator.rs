@@ -54,7 +54,7 @@ pub struct Located {
 #[non_exhaustive]
 pub enum LocateError {
     /// The reading is not finite.
-    #[error("the reading is not a finite number")]
+    #[error("a component of the reading is missing")]
     NotFinite,
     /// The only position found is outside the volume.
     #[error("the position with this reading is outside the volume, at {}", shown(.0.position))]

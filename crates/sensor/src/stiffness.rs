@@ -30,6 +30,8 @@ pub struct Stiffness {
     /// Standard deviation of the residuals, as a force.
     #[cfg_attr(feature = "serde", serde(rename = "residual_n"))]
     pub residual: f64,
+    /// Number of forces that the line was fitted to.
+    pub forces: usize,
 }
 
 /// The reason why a line cannot be fitted.
@@ -42,11 +44,24 @@ pub enum StiffnessError {
     /// All displacements are the same.
     #[error("all displacements are the same")]
     NoExtent,
+    /// More than a fifth of the forces contradict every line.
+    #[error("{outliers} of {forces} forces contradict every line")]
+    NoLine {
+        /// Number of forces far from the line.
+        outliers: usize,
+        /// Number of forces.
+        forces: usize,
+    },
 }
 
 impl Stiffness {
-    /// Fits the line to displacements and their forces. The model has normal errors of the forces;
-    /// the intervals are Student's.
+    /// Fits the line to displacements and their forces, without outliers, and returns the indices
+    /// of the outliers in ascending order. The model has normal errors of the forces; the intervals
+    /// are Student's. Pairs with a value that is not finite are ignored.
+    ///
+    /// The first line is the repeated median of A. F. Siegel, Biometrika 69, 242 (1982), which half
+    /// of the forces determine. Forces farther from the line than six standard deviations are
+    /// excluded and the rest is fitted by least squares, until no further force is excluded.
     ///
     /// Errors of the displacements flatten the line by the ratio of their variance to the variance
     /// of the displacements.
@@ -56,36 +71,122 @@ impl Stiffness {
     ///
     /// # Panics
     /// If the numbers of forces and displacements differ.
-    pub fn fit(displacements: &[f64], forces: &[f64]) -> Result<Stiffness, StiffnessError> {
+    pub fn fit(displacements: &[f64], forces: &[f64]) -> Result<(Stiffness, Vec<usize>), StiffnessError> {
         assert_eq!(displacements.len(), forces.len(), "a force for each displacement");
-        let count = forces.len();
-        if count < 3 {
-            return Err(StiffnessError::TooFew);
+        let pairs = displacements.iter().copied().zip(forces.iter().copied()).enumerate();
+        let usable: Vec<(usize, (f64, f64))> =
+            pairs.filter(|(_, (displacement, force))| displacement.is_finite() && force.is_finite()).collect();
+        let points =
+            |kept: &[(usize, (f64, f64))]| -> Vec<(f64, f64)> { kept.iter().map(|(_, point)| *point).collect() };
+        let mut kept = usable.clone();
+        let Some(mut line) = median_line(&points(&usable)) else {
+            return Err(least_squares(&points(&usable)).err().unwrap_or(StiffnessError::NoExtent));
+        };
+        for _ in 0..OUTLIER_ROUNDS {
+            let limit = outlier_limit(&points(&usable), line);
+            let found: Vec<(usize, (f64, f64))> =
+                usable.iter().copied().filter(|(_, point)| distance(*point, line) <= limit).collect();
+            let outliers = usable.len() - found.len();
+            if outliers as f64 > MOST_OUTLIERS * usable.len() as f64 {
+                return Err(StiffnessError::NoLine { outliers, forces: usable.len() });
+            }
+            let fitted = least_squares(&points(&found))?;
+            let is_same = found.len() == kept.len() && line == (fitted.stiffness, fitted.force_at_rest);
+            (line, kept) = ((fitted.stiffness, fitted.force_at_rest), found);
+            if is_same {
+                break;
+            }
         }
-        let n = count as f64;
-        let mean = |values: &[f64]| values.iter().sum::<f64>() / n;
-        let (middle, mean_force) = (mean(displacements), mean(forces));
-        let spread: f64 = displacements.iter().map(|d| (d - middle).powi(2)).sum();
-        let largest = displacements.iter().fold(0.0_f64, |most, d| most.max(d.abs()));
-        if !((spread / n).sqrt() > LEAST_EXTENT * largest) {
-            return Err(StiffnessError::NoExtent);
-        }
-        let products: f64 = displacements.iter().zip(forces).map(|(d, f)| (d - middle) * (f - mean_force)).sum();
-        let stiffness = products / spread;
-        let force_at_rest = mean_force - stiffness * middle;
-        let squares: f64 =
-            displacements.iter().zip(forces).map(|(d, f)| (f - force_at_rest - stiffness * d).powi(2)).sum();
-        let residual = (squares / (n - 2.0)).sqrt();
-        let student = StudentsT::new(0.0, 1.0, n - 2.0).expect("a positive number of degrees of freedom");
-        let quantile = student.inverse_cdf(0.5 + 0.5 * CONFIDENCE);
-        Ok(Stiffness {
-            stiffness,
-            force_at_rest,
-            stiffness_95: quantile * residual / spread.sqrt(),
-            force_at_rest_95: quantile * residual * (1.0 / n + middle * middle / spread).sqrt(),
-            residual,
-        })
+        let fitted = least_squares(&points(&kept))?;
+        let outliers =
+            usable.iter().map(|(index, _)| *index).filter(|index| kept.iter().all(|(other, _)| other != index));
+        Ok((fitted, outliers.collect()))
     }
+}
+
+/// Number of standard deviations from the line beyond which a force is an outlier.
+const OUTLIER: f64 = 6.0;
+
+/// The standard deviation of normal errors over the median of their magnitudes.
+const DEVIATION_OVER_MEDIAN: f64 = 1.482_602_218_505_602;
+
+/// Smallest limit of outliers, as a fraction of the largest force: round-off has none.
+const LEAST_LIMIT: f64 = 1e-9;
+
+/// Largest number of rounds that search and exclude outliers.
+const OUTLIER_ROUNDS: usize = 20;
+
+/// Largest share of outliers. Beyond it the forces do not belong to the displacements.
+const MOST_OUTLIERS: f64 = 0.2;
+
+/// Largest number of points of the first line.
+const MOST_POINTS: usize = 1000;
+
+fn distance((displacement, force): (f64, f64), (slope, intercept): (f64, f64)) -> f64 {
+    (force - intercept - slope * displacement).abs()
+}
+
+/// The distance from a line beyond which a force is an outlier.
+fn outlier_limit(points: &[(f64, f64)], line: (f64, f64)) -> f64 {
+    let mut distances: Vec<f64> = points.iter().map(|point| distance(*point, line)).collect();
+    let largest = points.iter().fold(0.0_f64, |most, (_, force)| most.max(force.abs()));
+    (OUTLIER * DEVIATION_OVER_MEDIAN * median(&mut distances)).max(LEAST_LIMIT * largest)
+}
+
+fn median(values: &mut [f64]) -> f64 {
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+/// Slope and intercept of the repeated median. `None` for fewer than three points, or points
+/// without extent.
+fn median_line(points: &[(f64, f64)]) -> Option<(f64, f64)> {
+    if points.len() < 3 {
+        return None;
+    }
+    let thinned: Vec<(f64, f64)> = points.iter().copied().step_by(points.len().div_ceil(MOST_POINTS)).collect();
+    let slope_from = |(d, f): (f64, f64)| {
+        let others = thinned.iter().filter(|(other, _)| *other != d);
+        let mut slopes: Vec<f64> = others.map(|(other, force)| (force - f) / (other - d)).collect();
+        (!slopes.is_empty()).then(|| median(&mut slopes))
+    };
+    let mut slopes: Vec<f64> = thinned.iter().filter_map(|point| slope_from(*point)).collect();
+    if slopes.is_empty() {
+        return None;
+    }
+    let slope = median(&mut slopes);
+    let mut intercepts: Vec<f64> = thinned.iter().map(|(d, f)| f - slope * d).collect();
+    Some((slope, median(&mut intercepts)))
+}
+
+/// The line of least squares.
+fn least_squares(points: &[(f64, f64)]) -> Result<Stiffness, StiffnessError> {
+    if points.len() < 3 {
+        return Err(StiffnessError::TooFew);
+    }
+    let n = points.len() as f64;
+    let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / n;
+    let (middle, mean_force) = (mean(|point| point.0), mean(|point| point.1));
+    let spread: f64 = points.iter().map(|(d, _)| (d - middle).powi(2)).sum();
+    let largest = points.iter().fold(0.0_f64, |most, (d, _)| most.max(d.abs()));
+    if !((spread / n).sqrt() > LEAST_EXTENT * largest) {
+        return Err(StiffnessError::NoExtent);
+    }
+    let products: f64 = points.iter().map(|(d, f)| (d - middle) * (f - mean_force)).sum();
+    let stiffness = products / spread;
+    let force_at_rest = mean_force - stiffness * middle;
+    let squares: f64 = points.iter().map(|(d, f)| (f - force_at_rest - stiffness * d).powi(2)).sum();
+    let residual = (squares / (n - 2.0)).sqrt();
+    let student = StudentsT::new(0.0, 1.0, n - 2.0).expect("a positive number of degrees of freedom");
+    let quantile = student.inverse_cdf(0.5 + 0.5 * CONFIDENCE);
+    Ok(Stiffness {
+        stiffness,
+        force_at_rest,
+        stiffness_95: quantile * residual / spread.sqrt(),
+        force_at_rest_95: quantile * residual * (1.0 / n + middle * middle / spread).sqrt(),
+        residual,
+        forces: points.len(),
+    })
 }
 
 #[cfg(test)]
@@ -96,7 +197,7 @@ mod tests {
     /// with three degrees of freedom is 3.182446 in every table.
     #[test]
     fn line_and_intervals_are_those_of_a_linear_model() {
-        let line = Stiffness::fit(&[0.0, 1.0, 2.0, 3.0, 4.0], &[1.1, 2.9, 5.2, 6.8, 9.1]).unwrap();
+        let line = Stiffness::fit(&[0.0, 1.0, 2.0, 3.0, 4.0], &[1.1, 2.9, 5.2, 6.8, 9.1]).unwrap().0;
         assert!((line.stiffness - 1.99).abs() < 1e-12 && (line.force_at_rest - 1.04).abs() < 1e-12, "{line:?}");
         // The residuals are 0.06, -0.13, 0.18, -0.21, 0.10: their squares sum up to 0.107.
         let residual = (0.107_f64 / 3.0).sqrt();
@@ -110,5 +211,26 @@ mod tests {
         assert_eq!(Stiffness::fit(&[1.0, 2.0], &[1.0, 2.0]), Err(StiffnessError::TooFew));
         assert_eq!(Stiffness::fit(&[1.0; 5], &[1.0, 2.0, 3.0, 4.0, 5.0]), Err(StiffnessError::NoExtent));
         assert_eq!(Stiffness::fit(&[0.0; 5], &[0.0; 5]), Err(StiffnessError::NoExtent));
+    }
+
+    /// Three of twenty forces are wild, and two are missing: the line is the line of the others.
+    #[test]
+    fn wild_forces_are_excluded() {
+        let displacements: Vec<f64> = (0..20).map(|n| 0.05 * f64::from(n)).collect();
+        let noise = |n: usize| 0.01 * [0.3, -1.1, 0.8, 0.1, -0.4][n % 5];
+        let clean: Vec<f64> = displacements.iter().enumerate().map(|(n, d)| 1.5 * d + 0.2 + noise(n)).collect();
+        let mut forces = clean.clone();
+        (forces[3], forces[11], forces[19]) = (40.0, -3.0, 0.0);
+        (forces[5], forces[6]) = (f64::NAN, f64::NAN);
+        let (line, outliers) = Stiffness::fit(&displacements, &forces).unwrap();
+        assert_eq!((outliers, line.forces), (vec![3, 11, 19], 15));
+        assert!(
+            (line.stiffness - 1.5).abs() < line.stiffness_95
+                && (line.force_at_rest - 0.2).abs() < line.force_at_rest_95
+        );
+        for n in [0, 4, 8, 15] {
+            forces[n] = 30.0 + n as f64;
+        }
+        assert_eq!(Stiffness::fit(&displacements, &forces), Err(StiffnessError::NoLine { outliers: 7, forces: 18 }));
     }
 }

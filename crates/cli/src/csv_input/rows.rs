@@ -160,8 +160,25 @@ impl Cells<'_> {
         self.numbers(columns).map(DVec3::from)
     }
 
+    /// The measured vector in these cells, or `None` after adding faults. A component that was not
+    /// measured is NaN.
+    pub(crate) fn measured(&mut self, columns: &[Column; 3]) -> Option<DVec3> {
+        let before = self.faults.len();
+        let components = columns.map(|column| match is_missing(self.text(column)) {
+            true => f64::NAN,
+            false => self.number(column),
+        });
+        (self.faults.len() == before).then_some(DVec3::from(components))
+    }
+
     /// The name of a column and the text of its cell, for messages.
     pub(crate) fn quoted(&self, column: Column) -> String {
         self.table.quoted(column.index)
     }
+}
+
+/// Whether a cell has none of the numbers of its column, as data loggers and spreadsheets write it.
+fn is_missing(text: &str) -> bool {
+    const WORDS: [&str; 9] = ["", "nan", "na", "n/a", "#n/a", "null", "none", "-", "--"];
+    WORDS.contains(&text.to_lowercase().as_str())
 }

@@ -20,18 +20,21 @@ pub(crate) struct Vector {
     default: Option<&'static str>,
     /// What may follow the name of a column.
     examples: [&'static str; 2],
+    /// Whether a component may be missing, which is then NaN.
+    may_miss: bool,
 }
 
 /// Flux densities in tesla.
 pub(crate) fn flux_densities(unit: Option<FluxUnitArg>) -> Vector {
-    Vector { group: &READING, default: unit.map(FluxUnitArg::name), examples: ["_mt", " (mT)"] }
+    Vector { group: &READING, default: unit.map(FluxUnitArg::name), examples: ["_mt", " (mT)"], may_miss: true }
 }
 
 /// Forces in newton.
-pub(crate) const FORCES: Vector = Vector { group: &FORCE, default: None, examples: ["_n", " (N)"] };
+pub(crate) const FORCES: Vector = Vector { group: &FORCE, default: None, examples: ["_n", " (N)"], may_miss: true };
 
 /// Positions in millimetres.
-pub(crate) const POSITIONS: Vector = Vector { group: &POSITION, default: None, examples: ["_mm", " (mm)"] };
+pub(crate) const POSITIONS: Vector =
+    Vector { group: &POSITION, default: None, examples: ["_mm", " (mm)"], may_miss: false };
 
 /// Largest number of readings held in memory: with their positions they take 3 GB.
 const MAX_READINGS: usize = 10_000_000;
@@ -67,7 +70,11 @@ pub(crate) fn read_all<const N: usize>(
     };
     let rows = Rows::open(path, form, &example, has_names, find)?;
     rows.read_all(|columns, cells| {
-        let vectors: Vec<DVec3> = columns.iter().filter_map(|columns| cells.vector(columns)).collect();
+        let read = |(columns, vector): (&[Column; 3], &Vector)| match vector.may_miss {
+            true => cells.measured(columns),
+            false => cells.vector(columns),
+        };
+        let vectors: Vec<DVec3> = columns.iter().zip(vectors).filter_map(read).collect();
         vectors.try_into().ok()
     })
 }

@@ -3,15 +3,17 @@
 use std::fmt::Write;
 use std::path::PathBuf;
 
+use magsplice::Film;
 use magsplice::decouple::PerAxis;
+use magsplice::magnet::Axis;
 use magsplice::prelude::DVec3;
-use magsplice::results::FilmCalibration;
+use magsplice::results::{FilmCalibration, FilmReadings};
 use magsplice::sensor::Stiffness;
-use magsplice::{Film, FilmError};
 
 use super::read::{located, unlocated};
 use crate::args::formats::ResultArgs;
 use crate::failure::Failure;
+use crate::faults::FaultList;
 use crate::inputs::readings;
 use crate::remarks;
 use crate::session::Session;
@@ -55,18 +57,43 @@ pub(crate) fn run(args: &CalibrateArgs, quiet: bool) -> Result<(), Failure> {
         rows.into_iter().map(|[force, reading]| (force, reading)).unzip();
     let readings = located(&session, &film, &args.readings, &readings_t, [args.zero, args.rest], None)?;
     let (place, faults) = (args.readings.display().to_string(), unlocated(&readings, &lines));
-    let found = match readings.calibrate(&forces_n) {
-        Err(FilmError::NoPosition { .. }) => return Err(faults.failure(place)),
-        // A reading at the border of the volume may be outside by its noise.
-        found => {
-            if !faults.is_empty() {
-                session.tell(&faults.remarks(&place));
-            }
-            found.map_err(|error| Failure::at(&args.readings, error.to_string()))?
-        }
-    };
+    if !faults.is_empty() {
+        session.tell(&faults.remarks(&place));
+    }
+    let found =
+        readings.calibrate(&forces_n, &lines).map_err(|error| Failure::at(&args.readings, error.to_string()))?;
     let result = args.result.format.shown(&found, || text(&film, args, &found));
-    session.write(output, &result)
+    session.write(output, &result)?;
+    tell_doubts(&session, &place, &readings, &lines, &found);
+    Ok(())
+}
+
+/// Prints missing forces, outliers, axes without a stiffness and negative stiffnesses on standard
+/// error.
+fn tell_doubts(session: &Session, place: &str, readings: &FilmReadings, lines: &[u64], found: &FilmCalibration) {
+    let mut faults = FaultList::default();
+    let located = lines.iter().zip(&readings.found).filter(|(_, found)| found.is_ok());
+    for (line, _) in located.filter(|(line, _)| found.excluded.incomplete.contains(line)) {
+        faults.add(*line, format!("line {line}: excluded as incomplete: a force is missing"));
+    }
+    for line in &found.excluded.outliers {
+        faults.add(*line, format!("line {line}: excluded as an outlier: its force contradicts the others"));
+    }
+    if !faults.is_empty() {
+        session.tell(&faults.remarks(place));
+    }
+    let reasons = [&found.without_stiffness.x, &found.without_stiffness.y, &found.without_stiffness.z];
+    for (axis, reason) in Axis::ALL.into_iter().zip(reasons) {
+        if let Some(reason) = reason {
+            session.tell(&format!("{place}: no stiffness along {axis}: {reason}\n"));
+        }
+    }
+    for axis in found.negative() {
+        session.tell(&format!(
+            "{place}: the stiffness along {axis} is negative: the force is positive where the film moves along -{axis}; \
+             reverse the sign of the forces, or check the axes of the sensor\n"
+        ));
+    }
 }
 
 fn text(film: &Film, args: &CalibrateArgs, found: &FilmCalibration) -> String {
@@ -87,18 +114,18 @@ fn text(film: &Film, args: &CalibrateArgs, found: &FilmCalibration) -> String {
     text
 }
 
-fn axes(text: &mut String, axes: &PerAxis<Stiffness>, hooke_n_per_mm: Option<DVec3>) {
+fn axes(text: &mut String, axes: &PerAxis<Option<Stiffness>>, hooke_n_per_mm: Option<DVec3>) {
     let axes = [axes.x, axes.y, axes.z];
-    let row = |text: &mut String, name: &str, of: &dyn Fn(&Stiffness) -> f64| {
-        rows::cells(text, name, axes.each_ref().map(|axis| number(of(axis))));
+    let row = |text: &mut String, name: &str, of: &dyn Fn(usize, &Stiffness) -> f64| {
+        let cell = |axis: usize| axes[axis].as_ref().map_or("none".to_owned(), |line| number(of(axis, line)));
+        rows::cells(text, name, [0, 1, 2].map(cell));
     };
-    row(text, "  stiffness, N/mm", &|axis| axis.stiffness);
-    row(text, "    +-", &|axis| axis.stiffness_95);
+    row(text, "  stiffness, N/mm", &|_, line| line.stiffness);
+    row(text, "    +-", &|_, line| line.stiffness_95);
     if let Some(hooke) = hooke_n_per_mm {
-        let scale = [0, 1, 2].map(|axis| number(axes[axis].stiffness / hooke[axis]));
-        rows::cells(text, "    over Hooke's law of [elastomer]", scale);
+        row(text, "    over Hooke's law of [elastomer]", &|axis, line| line.stiffness / hooke[axis]);
     }
-    row(text, "  force at rest, N", &|axis| axis.force_at_rest);
-    row(text, "    +-", &|axis| axis.force_at_rest_95);
-    row(text, "  residual, N", &|axis| axis.residual);
+    row(text, "  force at rest, N", &|_, line| line.force_at_rest);
+    row(text, "    +-", &|_, line| line.force_at_rest_95);
+    row(text, "  residual, N", &|_, line| line.residual);
 }

@@ -122,3 +122,66 @@ fn calibrations_that_tell_nothing_are_refused() {
     with(&format!("{names}\n0,0,1,100,0,0\n")).refuses("forces.csv: line 2: no position in or near the volume");
     with("fx,fy_n,fz_n,bx_mt,by_mt,bz_mt\n0,0,1,0,0,2\n").refuses("the column fx has no unit: rename it, as in fx_n");
 }
+
+/// A slipped force, a missing one and a wild reading do not change the stiffness. They are named.
+#[test]
+fn wild_forces_are_excluded_and_named() {
+    let sandbox = Sandbox::new();
+    let film = shipped("published-film");
+    let mut readings = displaced(&sandbox);
+    let clean = calibrated(&sandbox, &readings, [0.005, 1e-6], 5);
+    readings[4].1[0] += 5e-4;
+    calibrated(&sandbox, &readings, [0.005, 1e-6], 5);
+    let mut lines: Vec<String> = sandbox.read("forces.csv").lines().map(str::to_owned).collect();
+    let with = |line: &str, cell: &str| format!("{cell};{}", line.split_once(';').expect("cells").1);
+    lines[10] = with(&lines[10], "9000");
+    lines[20] = with(&lines[20], "");
+    sandbox.write("forces.csv", &(lines.join("\n") + "\n"));
+    let said = sandbox.run(&["calibrate", "forces.csv", "--layout", &film, "--format", "json"]);
+    assert_eq!(said.status, 0, "{}", said.stderr);
+    let found: Value = serde_json::from_str(&said.stdout).expect("JSON");
+    for name in ["x", "y", "z"] {
+        let [found, clean] = [&found, &clean].map(|of| &of["by_field"][name]);
+        let difference = number(&found["stiffness_n_per_mm"]) - number(&clean["stiffness_n_per_mm"]);
+        assert!(difference.abs() < number(&clean["stiffness_n_per_mm_95"]), "{name}: {found}");
+    }
+    assert!(
+        said.stderr.contains("line 11: excluded as an outlier: its force contradicts the others"),
+        "{}",
+        said.stderr
+    );
+    assert_eq!(found["excluded"]["incomplete"], serde_json::json!([21]));
+    assert!(said.stderr.contains("line 21: excluded as incomplete: a force is missing"), "{}", said.stderr);
+}
+
+/// Forces that point against the motion, and a film that moves along z alone.
+#[test]
+fn negative_and_missing_stiffnesses_are_named() {
+    let sandbox = Sandbox::new();
+    let film = shipped("published-film");
+    let readings = displaced(&sandbox);
+    calibrated(&sandbox, &readings, [0.0, 0.0], 1);
+    let text = sandbox.read("forces.csv");
+    let reversed = text.lines().enumerate().map(|(n, line)| {
+        let (x, rest) = line.split_once(';').expect("cells");
+        if n == 0 { line.to_owned() } else { format!("{:?};{rest}", -x.parse::<f64>().expect("a number")) }
+    });
+    sandbox.write("forces.csv", &reversed.collect::<Vec<_>>().join("\n"));
+    let said = sandbox.run(&["calibrate", "forces.csv", "--layout", &film]);
+    let named = "the stiffness along x is negative: the force is positive where the film moves along -x";
+    assert!(said.status == 0 && said.stderr.contains(named), "{}", said.stderr);
+    sandbox.write("points.csv", "x_mm,y_mm,z_mm\n0,0,-5\n0,0,-4.5\n0,0,-4\n0,0,-3.5\n0,0,-3\n");
+    let field = rows(&sandbox.run(&["field", &film, "--points", "points.csv"]).stdout);
+    let along_z = field
+        .iter()
+        .enumerate()
+        .map(|(n, row)| format!("0,0,{:?},{:?},{:?},{:?}", -0.5 * n as f64, row[3], row[4], row[5]));
+    let names = "fx_n,fy_n,fz_n,bx_t,by_t,bz_t\n".to_owned();
+    sandbox.write("forces.csv", &(names + &along_z.collect::<Vec<_>>().join("\n")));
+    let said = sandbox.run(&["calibrate", "forces.csv", "--layout", &film, "--format", "json"]);
+    assert_eq!(said.status, 0, "{}", said.stderr);
+    let found: Value = serde_json::from_str(&said.stdout).expect("JSON");
+    assert!((number(&found["by_field"]["z"]["stiffness_n_per_mm"]) - 1.0).abs() < 1e-6, "{found}");
+    assert_eq!(found["by_field"]["x"], Value::Null);
+    assert!(said.stderr.contains("no stiffness along x: "), "{}", said.stderr);
+}

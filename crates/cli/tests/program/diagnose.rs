@@ -130,6 +130,58 @@ fn weak_tile_among_tiles_with_recoil_is_found_alone() {
     assert!(rigid["faulty"].as_array().is_some_and(|faulty| faulty.len() > 1), "{rigid}");
 }
 
+/// Readings 2 mT off, saturated ones and missing ones are named. No tile is blamed for them, and
+/// faulty tiles are found beside them.
+#[test]
+fn excluded_readings_are_no_errors_of_tiles() {
+    for (errors, named) in [(&[][..], "no faulty tile"), (&FAULTY[1..], "2 errors:")] {
+        let sandbox = scanned(errors);
+        let mut lines: Vec<String> = sandbox.read("scan.csv").lines().map(str::to_owned).collect();
+        let with = |line: &str, column: usize, change: &dyn Fn(f64) -> f64| -> String {
+            let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+            cells[column] = format!("{:?}", change(cells[column].parse().expect("a number")));
+            cells.join(",")
+        };
+        for (line, off_ut) in [(20, 2000.0), (60, -400.0)] {
+            lines[line] = with(&lines[line], 4, &|by_ut| by_ut + off_ut);
+        }
+        lines[33] = with(&lines[33], 3, &|_| f64::NAN);
+        sandbox.write("scan.csv", &(lines.join("\n") + "\n"));
+        let said = run(&sandbox, &[]);
+        assert!(said.stdout.contains(named), "{}", said.stdout);
+        let counted = |reason: &str, count: usize| {
+            let row = said.stdout.lines().find(|line| line.starts_with(reason));
+            assert!(row.is_some_and(|row| row.ends_with(&format!(" {count}"))), "{reason}: {}", said.stdout);
+        };
+        counted("incomplete, excluded", 1);
+        counted("outliers, excluded", 2);
+        for line in ["line 21: excluded as an outlier", "line 34: excluded as incomplete", "line 61: excluded as"] {
+            assert!(said.stderr.contains(line), "{line}: {}", said.stderr);
+        }
+    }
+}
+
+/// A scan with exchanged axes, or of a sensor 1 mm beside, is refused with the explanation. No
+/// error of a tile is listed, and no layout is written.
+#[test]
+fn placements_that_explain_a_scan_come_before_errors_of_tiles() {
+    let sandbox = scanned(&[]);
+    let scan = sandbox.read("scan.csv");
+    sandbox.write("scan.csv", &scan.replacen("bx_ut,by_ut", "by_ut,bx_ut", 1));
+    let said = run(&sandbox, &["-o", "found.toml"]);
+    said.refuses("scan.csv: the film as ordered explains the scan to 9.3 uT");
+    said.refuses("axes of the sensor: x and y are exchanged: name the columns of the field by, bx, bz");
+    assert!(!sandbox.path("found.toml").exists());
+    let beside = scan.lines().skip(1).map(|line| {
+        let (x, rest) = line.split_once(',').expect("columns");
+        format!("{:?},{rest}", x.parse::<f64>().expect("a number") + 1.0)
+    });
+    sandbox.write("scan.csv", &(scan.lines().take(1).map(str::to_owned).chain(beside).collect::<Vec<_>>().join("\n")));
+    run(&sandbox, &[]).refuses("start (-1.00");
+    let said = run(&sandbox, &["--fit"]);
+    assert!(said.status == 0 && said.stdout.contains("no faulty tile"), "{}{}", said.stdout, said.stderr);
+}
+
 /// The film that was found has no requirements, allows the overlap of its tiles, and is taken by
 /// the verbs that evaluate films.
 #[test]

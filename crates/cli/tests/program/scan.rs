@@ -65,7 +65,8 @@ fn known_parameters_of_a_scan_are_recovered() {
             ["corrected", "simulated"].map(|name| number(&result["uniformity_rmse"][name][parameter]));
         assert!((corrected - simulated).abs() < 1e-9, "{result}");
     }
-    assert_eq!((&result["excluded"], &result["repeated"]), (&Value::Array(vec![]), &Value::Array(vec![])));
+    assert_eq!(result["excluded"], serde_json::json!({ "incomplete": [], "saturated": [], "outliers": [] }));
+    assert_eq!(result["repeated"], serde_json::json!([]));
     assert_eq!(result["grid"], serde_json::json!([9, 9, 5]));
     // The table has the places of the film, and no residuals.
     let saved = rows(&sandbox.read("saved.csv"));
@@ -114,7 +115,7 @@ fn gaps_repeated_positions_and_outliers_are_named() {
     assert!(said.stderr.contains("scan.csv: line 101: excluded as an outlier, residual ("), "{}", said.stderr);
     assert!(said.stdout.lines().all(|line| line.len() <= 140), "{}", said.stdout);
     let result = fitted(&sandbox, &[]);
-    assert_eq!(result["excluded"], serde_json::json!([101]));
+    assert_eq!(result["excluded"]["outliers"], serde_json::json!([101]));
     assert!((number(&result["residual_t"]) / (1e-5 / 12.0_f64.sqrt()) - 1.0).abs() < 0.1, "{result}");
     for name in ["offset_t", "start_mm", "rotation_deg"] {
         for axis in 0..3 {
@@ -139,6 +140,104 @@ fn scans_that_cannot_be_fitted_are_refused() {
     with("x,y,z,bx_mt,by_mt,bz_mt\n0,0,-4,0,0,3\n").refuses("line 1: the column x has no unit: rename it, as in x_mm");
     with("bx_mt,by_mt,bz_mt\n0,0,3\n").refuses("has no column x with a unit, such as x_mm or x (mm)");
     with(&format!("{names}\n0,0,-4,0,a,3\n")).refuses("line 2: by_mt = \"a\", must be a finite number");
+}
+
+/// The scan of a film that is 3 % stronger, with exchanged axes, a turned sensor, the coordinates
+/// of a stage, z counted downwards, and missing cells: the strength is found, and the cause is
+/// named.
+#[test]
+fn axes_and_places_other_than_stated_are_found_and_named() {
+    let sandbox = Sandbox::new();
+    let film = shipped("published-film");
+    type Change = fn(&[f64]) -> Vec<f64>;
+    let changes: [(Change, &str); 5] = [
+        (
+            |row| vec![row[0], row[1], row[2], row[4], row[3], row[5]],
+            "axes of the sensor: x and y are exchanged: name the columns of the field by, bx, bz",
+        ),
+        (
+            |row| vec![row[0], row[1], row[2], row[3], row[4], -row[5]],
+            "axes of the sensor: z is reversed: set gain = [1, 1, -1] in [sensor]",
+        ),
+        (|row| vec![row[0], row[1], row[2], -row[3], -row[4], row[5]], "180.0"),
+        (|row| vec![row[0] + 102.0, row[1] + 55.0, row[2] + 5.0, row[3], row[4], row[5]], "-102.0"),
+        (
+            |row| vec![row[0], row[1], 30.0 - row[2], row[3], row[4], row[5]],
+            "axes of the positions: z is reversed: change their columns",
+        ),
+    ];
+    let field = field(&sandbox);
+    for (change, named) in changes {
+        let stronger = |row: &Vec<f64>| -> Vec<f64> {
+            let values = row.iter().enumerate().map(|(n, value)| if n < 3 { *value } else { 1.03 * value });
+            change(&values.collect::<Vec<f64>>())
+        };
+        write(&sandbox, "x_mm,y_mm,z_mm,bx_t,by_t,bz_t", &field.iter().map(stronger).collect::<Vec<_>>());
+        let said = sandbox.run(&["scan", "scan.csv", "--layout", &film]);
+        assert_eq!((said.status, said.stderr.as_str()), (0, ""), "{named}");
+        assert!(said.stdout.contains(named), "{named}: {}", said.stdout);
+        let row = said.stdout.lines().find(|line| line.contains("strength / strength")).expect("a row");
+        assert!(row.ends_with(" 1.030000"), "{named}: {row}");
+    }
+    // Missing readings: NaN, and empty cells.
+    let mut text = "x_mm,y_mm,z_mm,bx_t,by_t,bz_t\n".to_owned();
+    for (index, row) in field.iter().enumerate() {
+        let cells = match index % 50 {
+            0 => "NaN,NaN,NaN".to_owned(),
+            1 => format!("{:?},,{:?}", row[3], row[5]),
+            _ => format!("{:?},{:?},{:?}", row[3], row[4], row[5]),
+        };
+        let _ = writeln!(text, "{:?},{:?},{:?},{cells}", row[0], row[1], row[2]);
+    }
+    sandbox.write("scan.csv", &text);
+    let said = sandbox.run(&["scan", "scan.csv", "--layout", &film]);
+    assert!(said.stdout.contains("incomplete, excluded                             18"), "{}", said.stdout);
+    assert!(
+        said.stderr.contains("scan.csv: line 2: excluded as incomplete: a component is missing"),
+        "{}",
+        said.stderr
+    );
+}
+
+/// A sensor of 16 bits with the range of the part, and the field 3 mm below the film.
+#[test]
+fn saturated_readings_are_excluded_and_named() {
+    let sandbox = Sandbox::new();
+    let film = std::fs::read_to_string(shipped("published-film")).expect("readable");
+    let film = film.split("[expect]").next().unwrap().to_owned()
+        + &film[film.find("[[lattice]]").expect("a lattice")..]
+        + "\n[sensor]\npart = \"MLX90393\"\n";
+    sandbox.write("film.toml", &film);
+    let points: Vec<String> = (0..361).map(|n| format!("{},{},-3", n % 19 - 9, n / 19 - 9)).collect();
+    sandbox.write("points.csv", &format!("x_mm,y_mm,z_mm\n{}\n", points.join("\n")));
+    let field = rows(&sandbox.run(&["field", "film.toml", "--points", "points.csv"]).stdout);
+    let counts = [0.15e-6, 0.15e-6, 0.242e-6];
+    let clipped = |factor: f64| -> (Vec<Vec<f64>>, usize) {
+        let mut saturated = 0;
+        let read = |row: &Vec<f64>| -> Vec<f64> {
+            let counted = (0..3).map(|axis| (factor * row[3 + axis] / counts[axis]).round());
+            let limited: Vec<f64> = counted.map(|count| count.clamp(-32768.0, 32767.0)).collect();
+            saturated += usize::from(limited.iter().any(|count| [-32768.0, 32767.0].contains(count)));
+            row[..3].iter().copied().chain((0..3).map(|axis| limited[axis] * counts[axis])).collect()
+        };
+        let lines = field.iter().map(read).collect();
+        (lines, saturated)
+    };
+    // Stronger films saturate more readings. More than a third is at the limit of the last.
+    for factor in [1.0, 1.3, 2.0] {
+        let (lines, saturated) = clipped(factor);
+        assert!(factor < 1.9 || saturated > 120, "{saturated}");
+        write(&sandbox, "x_mm,y_mm,z_mm,bx_t,by_t,bz_t", &lines);
+        let said = sandbox.run(&["scan", "scan.csv", "--layout", "film.toml", "--format", "json"]);
+        assert_eq!(said.status, 0, "{}", said.stderr);
+        let found: Value = serde_json::from_str(&said.stdout).expect("JSON");
+        assert_eq!(found["excluded"]["saturated"].as_array().expect("a list").len(), saturated);
+        assert_eq!(found["excluded"]["outliers"], serde_json::json!([]));
+        assert!((number(&found["fitted"]["strength"]) - factor).abs() < 0.002 * factor, "{found}");
+        if saturated > 0 {
+            assert!(said.stderr.contains("excluded as saturated: a component is at the limit"), "{}", said.stderr);
+        }
+    }
 }
 
 /// A film of another pattern, and readings in another unit than their columns say.

@@ -7,13 +7,15 @@ use magsplice_field::Scene;
 use magsplice_layout::{FilmTolerance, Layout};
 use magsplice_magnet::{Quantity, TileError};
 use magsplice_scan::{
-    Candidate, DetectedError, Diagnosis, DiagnosisError, DiagnosisSettings, ErrorKind, FieldScan, FreeParameters,
-    NarrowedError, ScanDiagnosis, ScanParameters, fit_scan,
+    Candidate, DetectedError, Diagnosis, DiagnosisError, DiagnosisSettings, ErrorKind, Exclusion, FieldScan,
+    FreeParameters, NarrowedError, ScanDiagnosis,
 };
 use magsplice_sensor::Noise;
 use serde::Serialize;
 
-use super::scan::FittedScan;
+use super::placed_scan::PlacedScan;
+use super::placement::{FittedScan, SensorPlacement};
+use super::scan::ExcludedReadings;
 use super::source::Source;
 use crate::film::Film;
 use crate::film_error::FilmError;
@@ -30,6 +32,8 @@ pub struct FilmDiagnosis {
     pub source: Source,
     /// Number of readings.
     pub readings: usize,
+    /// Readings that the fit does not use.
+    pub excluded: ExcludedReadings,
     /// Noise of a reading along x, y, z.
     pub noise_t: DVec3,
     /// Probability that a tile of a film without faulty tiles is reported.
@@ -37,7 +41,8 @@ pub struct FilmDiagnosis {
     /// Whether other tiles have the errors that the layout expects; otherwise they count as
     /// ordered.
     pub has_expected_errors: bool,
-    /// The tiles that neither noise nor expected errors explain, the surest first.
+    /// The tiles that neither noise nor expected errors explain, the surest first. Empty if the
+    /// model is rejected.
     pub faulty: Vec<FaultyTile>,
     /// Whether these are all significant errors.
     pub is_complete: bool,
@@ -52,6 +57,11 @@ pub struct FilmDiagnosis {
     pub degrees_of_freedom: usize,
     /// Whether the residual is too large for the noise.
     pub is_residual_too_large: bool,
+    /// Whether errors of tiles do not explain the scan: the residual is too large, or an error is
+    /// larger than a tile can have.
+    pub is_rejected: bool,
+    /// Another placement of the sensor, which explains a rejected scan better than errors of tiles.
+    pub placement: Option<SensorPlacement>,
     /// Errors that the scan hardly narrows.
     pub unresolved: Vec<UnresolvedError>,
     /// Pairs of errors that change the readings alike, the most alike first.
@@ -133,32 +143,39 @@ impl Film {
     }
 
     /// The errors of tiles that a scan shows: `readings_t` of the sensor of the layout at points in
-    /// millimetres. Its plates count as points there. `noise` is the noise of the readings, by
-    /// default the noise of the sensor. Expected errors are the errors of tiles and groups in the
-    /// layout. Recoil adds the same field as in the film as ordered: its change by a faulty tile is
-    /// neglected.
+    /// millimetres, with their `numbers`. Its plates count as points there. `noise` is the noise of
+    /// the readings, by default the noise of the sensor. Expected errors are the errors of tiles
+    /// and groups in the layout. Recoil adds the same field as in the film as ordered: its change
+    /// by a faulty tile is neglected.
     ///
     /// # Errors
     /// [`FilmError::NoNoise`] if the noise is not known; [`FilmError::Points`] for points without a
-    /// field; otherwise [`FilmError::Diagnosis`].
+    /// field; [`FilmError::Misplaced`] for a scan with another placement of the sensor; otherwise
+    /// [`FilmError::Diagnosis`].
     ///
     /// # Panics
     /// If there are not as many readings as points.
     pub fn diagnose(
         &self,
-        points_mm: Vec<DVec3>,
+        points_mm: &[DVec3],
         readings_t: &[DVec3],
+        numbers: &[u64],
         noise: Option<Noise>,
         free: FreeParameters,
         false_alarm: f64,
     ) -> Result<FilmDiagnosis, FilmError> {
         let element = self.layout().sensor.as_ref().map(|sensor| sensor.element).unwrap_or_default();
         let noise_t = self.scan_noise_t(noise)?;
-        let field_t = |reading_t: &DVec3| element.rotation * ((*reading_t - element.offset_t) / element.gain);
-        let mut field_t: Vec<DVec3> = readings_t.iter().map(field_t).collect();
+        let unusable: Vec<Option<Exclusion>> =
+            readings_t.iter().map(|reading_t| Exclusion::of_reading(&element, *reading_t)).collect();
+        let field_t = |(reading_t, exclusion): (&DVec3, &Option<Exclusion>)| match exclusion {
+            None => element.rotation * ((*reading_t - element.offset_t) / element.gain),
+            Some(_) => DVec3::NAN,
+        };
+        let mut field_t: Vec<DVec3> = readings_t.iter().zip(&unusable).map(field_t).collect();
         if self.recoil().is_some() {
             let [with_t, rigid_t] = [self, &Film::rigid(self.layout().clone())]
-                .map(|film| film.scene().field_at(Quantity::FluxDensity, &points_mm).map_err(FilmError::Points));
+                .map(|film| film.scene().field_at(Quantity::FluxDensity, points_mm).map_err(FilmError::Points));
             let added_t = with_t?.into_iter().zip(rigid_t?).map(|(with_t, rigid_t)| with_t - rigid_t);
             field_t.iter_mut().zip(added_t).for_each(|(field_t, added_t)| *field_t -= added_t);
         }
@@ -170,26 +187,25 @@ impl Film {
         });
         let expected = expected.unwrap_or_default();
         let has_expected_errors = expected != FilmTolerance::default();
-        // The parameters of the nominal film, or of a perfect scan where faulty tiles do not let it
-        // be fitted.
-        let start = if free != FreeParameters::NONE {
-            let fit = fit_scan(&Scene::new(&tiles), &points_mm, &field_t, free);
-            fit.map_or(ScanParameters::PERFECT, |fit| fit.parameters)
-        } else {
-            ScanParameters::PERFECT
-        };
+        let ordered = Scene::new(&tiles);
+        let placed = PlacedScan::new(&ordered, points_mm, &field_t, noise_t, self.centre_mm());
+        let start = placed.start(free)?;
         let settings = DiagnosisSettings { expected, free, false_alarm, ..DiagnosisSettings::default() };
         let failed = |error: DiagnosisError| match error {
             DiagnosisError::Points(errors) => FilmError::Points(errors),
             error => FilmError::Diagnosis(error),
         };
         self.tell(Stage::uncounted("preparing the diagnosis"));
-        let scan = FieldScan { points_mm, noise_t };
+        let scan = FieldScan { points_mm: points_mm.to_vec(), noise_t };
         let model = ScanDiagnosis::new(&tiles, scan, settings, start).map_err(failed)?;
         let show = |found: usize| {
             self.tell(Stage::uncounted(if found == 0 { "searching faulty tiles" } else { "identifying faulty tiles" }));
         };
-        let diagnosis = model.diagnose(&field_t, show).map_err(failed)?;
+        let mut diagnosis = model.diagnose(&field_t, show).map_err(failed)?;
+        // Saturated readings were withheld as unfinished.
+        for (exclusion, unusable) in diagnosis.exclusions.iter_mut().zip(&unusable) {
+            *exclusion = unusable.or(*exclusion);
+        }
         let name = |tile: usize| self.layout().tiles[tile].name.clone();
         let suspect = |of: &Candidate| Suspect { tile: name(of.tile), kind: of.kind };
         let faulty = |detected: &DetectedError| FaultyTile {
@@ -213,6 +229,10 @@ impl Film {
             after: of.error.shown(of.after),
             is_about_j: is_about_j(self.layout(), of),
         };
+        let is_residual_too_large = diagnosis.is_residual_too_large();
+        let is_rejected = is_residual_too_large || !diagnosis.has_possible_errors(&tiles);
+        let placement = is_rejected.then(|| placed.explaining(diagnosis.residual_t())).flatten();
+        let listed = if is_rejected { &[][..] } else { &diagnosis.detected };
         let similar = diagnosis.similar.iter().map(|of| SimilarPair {
             tiles: [of.first.0, of.second.0].map(name),
             errors: [of.first.1, of.second.1],
@@ -221,16 +241,19 @@ impl Film {
         Ok(FilmDiagnosis {
             source: Source::of(self),
             readings: readings_t.len(),
+            excluded: ExcludedReadings::new(&diagnosis.exclusions, numbers),
             noise_t,
             false_alarm,
             has_expected_errors,
-            faulty: diagnosis.detected.iter().map(faulty).collect(),
+            faulty: listed.iter().map(faulty).collect(),
             is_complete: diagnosis.is_complete,
-            scan: FittedScan::from(&diagnosis.scan),
+            scan: FittedScan::new(&diagnosis.scan, diagnosis.scan.offset_t),
             residual_t: diagnosis.residual_t(),
             chi_squared: diagnosis.chi_squared,
             degrees_of_freedom: diagnosis.degrees_of_freedom,
-            is_residual_too_large: diagnosis.is_residual_too_large(),
+            is_residual_too_large,
+            is_rejected,
+            placement,
             unresolved: diagnosis.narrowed.iter().filter(|of| of.is_unresolved()).map(unresolved).collect(),
             similar: similar.collect(),
             diagnosis,
@@ -274,12 +297,19 @@ impl FilmDiagnosis {
 fn in_words(detected: &DetectedError) -> String {
     let magnitude = detected.magnitude();
     match detected.candidate.kind {
-        ErrorKind::Strength if magnitude < 0.0 => format!("{:.2} % too weak", -100.0 * magnitude),
-        ErrorKind::Strength => format!("{:.2} % too strong", 100.0 * magnitude),
-        ErrorKind::Turn => format!("turned by {:.2} deg", magnitude.to_degrees()),
-        ErrorKind::Direction => format!("J turned by {:.2} deg", magnitude.to_degrees()),
-        _ => format!("displaced by {magnitude:.3} mm"),
+        ErrorKind::Strength if magnitude < 0.0 => format!("{} % too weak", rounded(-100.0 * magnitude, 2)),
+        ErrorKind::Strength => format!("{} % too strong", rounded(100.0 * magnitude, 2)),
+        ErrorKind::Turn => format!("turned by {} deg", rounded(magnitude.to_degrees(), 2)),
+        ErrorKind::Direction => format!("J turned by {} deg", rounded(magnitude.to_degrees(), 2)),
+        _ => format!("displaced by {} mm", rounded(magnitude, 3)),
     }
+}
+
+/// A number with this many decimals, and with more if it would have less than two digits.
+fn rounded(value: f64, decimals: usize) -> String {
+    let first = -value.abs().log10().floor();
+    let needed = if first.is_finite() && first > 0.0 { first as usize + 1 } else { 0 };
+    format!("{value:.*}", decimals.max(needed))
 }
 
 /// Whether an error turns a tile about its J, which hardly changes the field.
@@ -310,15 +340,17 @@ mod tests {
         let points_mm: Vec<DVec3> = grid.points().collect();
         let field_t = Film::rigid(made).scene().field_at(Quantity::FluxDensity, &points_mm).unwrap();
         let readings_t: Vec<DVec3> = field_t.iter().map(|field_t| 1.1 * *field_t).collect();
+        let numbers: Vec<u64> = (0..points_mm.len() as u64).collect();
         let known = FreeParameters { strength: false, offset: false, rotation: false, start: false };
-        let found = Film::rigid(ordered.clone()).diagnose(points_mm.clone(), &readings_t, None, known, 0.01).unwrap();
+        let found =
+            Film::rigid(ordered.clone()).diagnose(&points_mm, &readings_t, &numbers, None, known, 0.01).unwrap();
         let [weak] = &found.faulty[..] else { panic!("{:?}", found.faulty) };
         assert_eq!((weak.tile.as_str(), weak.kind), ("tile-2", ErrorKind::Strength));
         let [percent, _] = weak.components[&TileError::Strength];
         assert!((percent + 10.0).abs() < 0.01, "{percent}");
         assert_eq!(weak.words, "10.00 % too weak");
         let quiet = Layout { sensor: None, ..ordered };
-        let refused = Film::rigid(quiet).diagnose(points_mm, &readings_t, None, known, 0.01);
+        let refused = Film::rigid(quiet).diagnose(&points_mm, &readings_t, &numbers, None, known, 0.01);
         assert_eq!(refused.unwrap_err(), FilmError::NoNoise);
     }
 }

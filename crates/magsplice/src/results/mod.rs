@@ -31,6 +31,10 @@ mod forces;
 mod front;
 /// The parts of a layout.
 mod parts;
+/// Whether the sensor of a scan was where it is stated.
+mod placed_scan;
+/// Where the sensor of a scan was.
+pub(crate) mod placement;
 /// The methods that a tolerance allows.
 mod plan;
 /// Decoupling parameters at points.
@@ -67,13 +71,14 @@ pub use forces::{FilmLoads, ForceChange, LoadN, OrderChoice, OrderedLoads, TileL
 #[cfg(feature = "design")]
 pub use front::{FilmFront, FrontFilm};
 pub use parts::{BillOfMaterials, PartItem};
+pub use placement::{FittedScan, SensorPlacement};
 pub use plan::FilmPlan;
 pub use point_decoupling::{FilmPointDecoupling, FilmPointEvaluation, Omitted};
 pub use polynomial::SensorPolynomial;
 pub use readings::{AtRest, FilmReadings};
 pub use resolution::{FilmResolution, ResolutionSummary};
 pub use samples::{FilmSampling, SampleRun, SampledFigure, SampledFilm, in_stretches};
-pub use scan::{FilmScan, FittedScan, ScanUniformity};
+pub use scan::{ExcludedReadings, FilmScan, ScanUniformity};
 pub use significant::{rounded_beside, twelve_digits};
 pub use source::{LayoutSource, Source};
 pub use table::{ColumnQuantity, Metadata, MetadataValue, Points, Rows, Table, TableColumn, Tabled};

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use magsplice_decouple::{Branch, Parameters};
 use magsplice_layout::Elastomer;
-use magsplice_sensor::{LocateError, Located, Locator, Noise, SensedField};
+use magsplice_sensor::{LocateError, Located, Locator, Noise, SensedField, mean_at_rest};
 use serde::Serialize;
 
 use super::source::Source;
@@ -26,8 +26,8 @@ pub enum AtRest<'r> {
     /// tesla.
     Constant(DVec3),
     /// The sensor at rest is at the reference point and had these readings (at least one), in
-    /// tesla. The difference of their mean from the field of the film is subtracted from all
-    /// readings.
+    /// tesla. The difference of their mean, without outliers, from the field of the film is
+    /// subtracted from all readings.
     Zero(&'r [DVec3]),
     /// It is where it had these readings, one at least, in tesla. Nothing is added to the field of
     /// the film.
@@ -72,11 +72,11 @@ impl Film {
         let (volume, of) = (self.volume()?, Some(readings_t.len()));
         let sensed = self.sensed_field(&volume.grid)?;
         let at_reference_t = sensed.readings_t(&[volume.reference_mm]).map_err(FilmError::Points)?[0];
-        let mean = |readings_t: &[DVec3]| readings_t.iter().sum::<DVec3>() / readings_t.len() as f64;
+        let mean = |readings_t: &[DVec3]| mean_at_rest(readings_t).ok_or(FilmError::AtRest(LocateError::NotFinite));
         let (constant_t, at_rest_t) = match at_rest {
             AtRest::Constant(constant_t) => (constant_t, at_reference_t),
-            AtRest::Zero(readings_t) => (mean(readings_t) - at_reference_t, at_reference_t),
-            AtRest::Rest(readings_t) => (DVec3::ZERO, mean(readings_t)),
+            AtRest::Zero(readings_t) => (mean(readings_t)? - at_reference_t, at_reference_t),
+            AtRest::Rest(readings_t) => (DVec3::ZERO, mean(readings_t)?),
         };
         let locator =
             Locator::new(sensed.clone(), volume.grid).map_err(FilmError::Points)?.with_constant_reading(constant_t);
@@ -163,13 +163,14 @@ impl FilmReadings {
     }
 
     /// For each reading 0: in the volume; 1: outside; 2: two positions; 3: none; 4: at the limit of
-    /// the sensor's range.
+    /// the sensor's range; 5: a component is missing.
     pub fn status(&self) -> impl Iterator<Item = u8> + '_ {
         self.found.iter().map(|found| match found {
             Ok(_) => 0,
             Err(LocateError::Outside(_)) => 1,
             Err(LocateError::Ambiguous(_)) => 2,
             Err(LocateError::Saturated) => 4,
+            Err(LocateError::NotFinite) => 5,
             Err(_) => 3,
         })
     }

@@ -5,9 +5,10 @@ use std::ops::RangeInclusive;
 use glam::DVec3;
 use magsplice_decouple::{Branch, Parameters, PerParameter, uniformity_by_planes};
 use magsplice_magnet::Grid;
-use magsplice_scan::{FreeParameters, ScanError, ScanParameters, ScanPositions, fit_scan};
+use magsplice_scan::{Exclusion, FreeParameters, ScanError, ScanFit, ScanPositions, SignedAxes, fit_scan};
 use serde::Serialize;
 
+use super::placement::FittedScan;
 use super::source::Source;
 use super::table::{ColumnQuantity, Points, Table};
 use crate::film::Film;
@@ -41,15 +42,19 @@ pub struct FilmScan {
     pub fitted: FittedScan,
     /// Their standard deviations; 0 for those that were not fitted.
     pub deviation: FittedScan,
+    /// Axes of the sensor that are exchanged or reversed, so that no rotation explains them.
+    pub sensor_axes: SignedAxes,
+    /// Axes of the positions that are exchanged or reversed.
+    pub stage_axes: SignedAxes,
     /// Standard deviation of the residuals of one component, without the excluded readings.
     pub residual_t: f64,
-    /// Numbers of the excluded readings.
-    pub excluded: Vec<u64>,
+    /// Readings that the fit does not use.
+    pub excluded: ExcludedReadings,
     /// With an ideal film.
     pub uniformity_rmse: Option<ScanUniformity>,
-    /// The same as `excluded`, by indices of readings in ascending order.
+    /// The same as `excluded`, for each reading.
     #[serde(skip)]
-    pub outliers: Vec<usize>,
+    pub exclusions: Vec<Option<Exclusion>>,
     /// Reading minus fit, along the axes of the sensor.
     #[serde(skip)]
     pub residuals_t: Vec<DVec3>,
@@ -67,17 +72,41 @@ pub struct FilmScan {
     pub sensor_noise_t: f64,
 }
 
-/// What is not known of a scan beforehand.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct FittedScan {
-    /// Strength of all tiles over the strength of the layout.
-    pub strength: f64,
-    /// Offset of the sensor and uniform stray field together.
-    pub offset_t: DVec3,
-    /// Rotation vector of the sensor.
-    pub rotation_deg: DVec3,
-    /// Position of the sensor where the scan has its origin.
-    pub start_mm: DVec3,
+/// Numbers of the readings that a fit does not use, such as their lines in a file.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct ExcludedReadings {
+    /// Readings with a missing component.
+    pub incomplete: Vec<u64>,
+    /// Readings at the limit of the sensor's range.
+    pub saturated: Vec<u64>,
+    /// Readings that contradict the fit of the others.
+    pub outliers: Vec<u64>,
+}
+
+impl ExcludedReadings {
+    /// The exclusions of readings with these numbers.
+    pub(crate) fn new(exclusions: &[Option<Exclusion>], numbers: &[u64]) -> ExcludedReadings {
+        let mut excluded = ExcludedReadings::default();
+        for (exclusion, number) in exclusions.iter().zip(numbers) {
+            match exclusion {
+                None => continue,
+                Some(Exclusion::Incomplete) => &mut excluded.incomplete,
+                Some(Exclusion::Saturated) => &mut excluded.saturated,
+                Some(Exclusion::Outlier) => &mut excluded.outliers,
+            }
+            .push(*number);
+        }
+        excluded
+    }
+
+    /// Each reason in words, with its readings.
+    pub fn by_reason(&self) -> [(&'static str, &[u64]); 3] {
+        [
+            ("incomplete", &self.incomplete),
+            ("at the limit of the sensor's range", &self.saturated),
+            ("outliers", &self.outliers),
+        ]
+    }
 }
 
 /// Uniformity RMSE of R_x, R_y, S_z, without the excluded readings. `None` where no plane has two
@@ -92,17 +121,6 @@ pub struct ScanUniformity {
     pub simulated: PerParameter<Option<f64>>,
     /// Number of readings whose parameters do not exist, because B_z is 0.
     pub singular: usize,
-}
-
-impl From<&ScanParameters> for FittedScan {
-    fn from(of: &ScanParameters) -> FittedScan {
-        FittedScan {
-            strength: of.strength,
-            offset_t: of.offset_t,
-            rotation_deg: of.rotation_rad.map(f64::to_degrees),
-            start_mm: of.start,
-        }
-    }
 }
 
 impl Film {
@@ -124,22 +142,21 @@ impl Film {
     ) -> Result<FilmScan, FilmError> {
         self.tell(Stage::uncounted("fitting the scan"));
         let sensed = self.sensed_field(&box_of(points_mm))?;
-        let fit = fit_scan(sensed.clone(), points_mm, readings_t, free).map_err(|error| match error {
-            ScanError::Points(errors) => FilmError::Points(errors),
-            error => FilmError::Scan(error),
-        })?;
-        let parameters = &fit.parameters;
-        let places_mm: Vec<DVec3> = points_mm.iter().map(|point| *point + parameters.start).collect();
+        let fit =
+            fit_scan(sensed.clone(), points_mm, readings_t, free, self.centre_mm()).map_err(|error| match error {
+                ScanError::Points(errors) => FilmError::Points(errors),
+                error => FilmError::Scan(error),
+            })?;
+        let ScanFit { parameters, deviations, sensor_axes, stage_axes, .. } = fit;
+        let places_mm: Vec<DVec3> = points_mm.iter().map(|point| fit.place(*point)).collect();
         // Readings without the errors that the layout states, along the axes of its sensor.
         let sensor = sensed.sensor();
         let scaled_t = readings_t.iter().map(|reading| (*reading - sensor.offset_t) / sensor.gain);
-        let corrected_t: Vec<DVec3> =
-            scaled_t.map(|reading| sensor.rotation * parameters.corrected_t(reading)).collect();
+        let corrected_t: Vec<DVec3> = scaled_t.map(|reading| sensor.rotation * fit.corrected_t(reading)).collect();
         let field_t = sensed.without_gain_and_offset().readings_t(&places_mm).map_err(FilmError::Points)?;
         let simulated_t: Vec<DVec3> =
             field_t.into_iter().map(|field| parameters.strength * (sensor.rotation * field)).collect();
-        let is_kept = |index: &usize| fit.outliers.binary_search(index).is_err();
-        let kept: Vec<usize> = (0..points_mm.len()).filter(is_kept).collect();
+        let kept: Vec<usize> = (0..points_mm.len()).filter(|index| fit.exclusions[*index].is_none()).collect();
         let fields_t = [readings_t, &corrected_t, &simulated_t];
         let uniformity_rmse = self.branch().map(|branch| ScanUniformity::new(points_mm, &kept, fields_t, branch));
         let positions = ScanPositions::new(points_mm);
@@ -150,18 +167,25 @@ impl Film {
             grid: positions.grid,
             missing_mm: positions.missing,
             repeated: numbered(&positions.repeated),
-            fitted: FittedScan::from(&fit.parameters),
-            deviation: FittedScan::from(&fit.deviations),
+            fitted: FittedScan::new(&parameters, fit.offset_t()),
+            deviation: FittedScan::new(&deviations, fit.offset_deviation_t()),
+            sensor_axes,
+            stage_axes,
             residual_t: fit.noise_t,
-            excluded: numbered(&fit.outliers),
+            excluded: ExcludedReadings::new(&fit.exclusions, numbers),
             uniformity_rmse,
-            outliers: fit.outliers,
+            exclusions: fit.exclusions,
             residuals_t: fit.residuals_t,
             places_mm,
             corrected_t,
             simulated_t,
             sensor_noise_t: self.layout().sensor.as_ref().map_or(0.0, |of| of.element.deviation_t().max_element()),
         })
+    }
+
+    /// The centre of the working volume, where the middle of a scan is likely.
+    pub(crate) fn centre_mm(&self) -> Option<DVec3> {
+        self.layout().volume.as_ref().map(|volume| 0.5 * (volume.lower_mm + volume.upper_mm))
     }
 
     /// The branch of the decoupling parameters below the film. `None` without an ideal film and a
@@ -194,8 +218,7 @@ impl FilmScan {
             .zip(&self.simulated_t)
             .map(|(corrected, simulated)| *corrected - *simulated)
             .collect();
-        let is_outlier = |index: usize| self.outliers.binary_search(&index).is_ok();
-        let outliers = (0..self.readings).map(|index| f64::from(u8::from(is_outlier(index))));
+        let excluded = self.exclusions.iter().map(|exclusion| f64::from(u8::from(exclusion.is_some())));
         let columns = vec![
             ColumnQuantity::flux_density(&self.corrected_t),
             ColumnQuantity::of_vectors(
@@ -204,7 +227,7 @@ impl FilmScan {
                 &self.simulated_t,
             ),
             ColumnQuantity::of_vectors("residual_b_t", &["residual_bx_t", "residual_by_t", "residual_bz_t"], &residual),
-            ColumnQuantity::of_numbers(&["outlier"], outliers),
+            ColumnQuantity::of_numbers(&["excluded"], excluded),
         ];
         let points = Points::Scattered(self.places_mm.clone());
         Table::new(points, columns, self.source.metadata())

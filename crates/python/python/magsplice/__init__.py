@@ -57,7 +57,7 @@ from magsplice._assignment import MeasuredTile, PlacedTile, Shim
 from magsplice._budget import Budget, BudgetPart, Improvement
 from magsplice._check import Check, Outcome
 from magsplice._comparison import Comparison, Decoupling
-from magsplice._diagnosis import Diagnosis, FaultyTile
+from magsplice._diagnosis import Diagnosis, ExcludedReadings, FaultyTile, SensorPlacement
 from magsplice._figures import Estimate, Figures, Statistics
 from magsplice._film import Assignment, Design, Film, Front
 from magsplice._forces import Forces, PlacementOrder
@@ -83,6 +83,7 @@ __all__ = [
     "Design",
     "Diagnosis",
     "Estimate",
+    "ExcludedReadings",
     "FaultyTile",
     "Figure",
     "Figures",
@@ -112,6 +113,7 @@ __all__ = [
     "Result",
     "SampledFilm",
     "Samples",
+    "SensorPlacement",
     "Shim",
     "Statistics",
     "Tile",

@@ -55,16 +55,38 @@ class FittedScan(Result):
     start_mm: Vector = key("Position of the sensor at the origin of the scan, in millimetres.")
 
 
+class ExcludedReadings(Result):
+    """Indices of the readings that a fit does not use."""
+
+    incomplete: list[int] = key("Readings with a missing component.")
+    saturated: list[int] = key("Readings at the limit of the sensor's range.")
+    outliers: list[int] = key("Readings that contradict the fit of the others.")
+
+
+class SensorPlacement(Result):
+    """Axes and place of a sensor whose readings the film as ordered explains."""
+
+    sensor_axes: list[str] = key(
+        "Component of the field that the sensor reads as x, y, z, such as ``-y`` for a reversed y."
+    )
+    stage_axes: list[str] = key("The same for the positions.")
+    fitted: FittedScan = key("Fitted parameters of the scan.", FittedScan)
+    residual_t: float = key("Standard deviation of the residuals of one component, in tesla.")
+
+
 class Diagnosis(OfFilm, Table):
     """The diagnosis of a film. A table of the errors of tiles, one row for each tile."""
 
     readings: int = key("Number of readings.")
+    excluded: ExcludedReadings = key("Readings that the fit does not use.", ExcludedReadings)
     noise_t: Vector = key("Noise of a reading along x, y, z, in tesla.")
     false_alarm: float = key("Probability that a tile of a film without faulty tiles is reported.")
     has_expected_errors: bool = key(
         "Whether other tiles have the errors of ``[tolerance]``; otherwise they count as ordered."
     )
-    faulty: list[FaultyTile] = key("Identified errors, the most certain first.", FaultyTile)
+    faulty: list[FaultyTile] = key(
+        "Identified errors, the most certain first. Empty if `is_rejected`.", FaultyTile
+    )
     is_complete: bool = key("Whether `faulty` has all significant errors.")
     scan: FittedScan = key("Fitted parameters of the scan.", FittedScan)
     residual_t: float = key("Root mean square of the residual of a component, in tesla.")
@@ -74,6 +96,15 @@ class Diagnosis(OfFilm, Table):
     )
     degrees_of_freedom: int = key("Expectation of `chi_squared`.")
     is_residual_too_large: bool = key("Whether the residual exceeds noise and errors of tiles.")
+    is_rejected: bool = key(
+        """Whether errors of tiles do not explain the scan: the residual is too large, or an error
+        is larger than a tile can have."""
+    )
+    placement: SensorPlacement | None = key(
+        """Another placement of the sensor, which explains a rejected scan better than errors of
+        tiles.""",
+        SensorPlacement,
+    )
     unresolved: list[dict[str, Any]] = key(
         """Errors hardly narrowed by the scan: ``tile``, ``error`` and its standard deviations
         ``before`` and ``after`` the scan."""

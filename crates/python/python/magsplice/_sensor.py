@@ -15,7 +15,7 @@ from magsplice._results import key
 from magsplice._source import OfFilm
 
 #: Meanings of the numbers in `Readings.status`.
-STATUS = ("in the volume", "outside the volume", "ambiguous", "not found", "saturated")
+STATUS = ("in the volume", "outside the volume", "ambiguous", "not found", "saturated", "incomplete")
 
 #: Names of the columns of arrays.
 _COLUMNS = {
@@ -42,7 +42,7 @@ class Readings(OfFilm, Table):
     )
     status: NDArray[np.uint8] = key(
         """0: in the volume; 1: outside; 2: two positions have the reading; 3: none has; 4:
-        saturated; shape (...)."""
+        saturated; 5: a component is missing; shape (...)."""
     )
     messages: list[str] = key(
         "The reason why a reading has no position in the volume; an empty text where it has one."

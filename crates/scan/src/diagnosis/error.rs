@@ -34,11 +34,11 @@ pub enum DiagnosisError {
         /// The given value, in tesla.
         value_t: f64,
     },
-    /// A reading is not finite.
-    #[error("reading[{index}] is not finite; remove it and its point")]
-    Reading {
-        /// Index of the reading.
-        index: usize,
+    /// The number of readings that contradict all others exceeds the limit of outliers.
+    #[error("readings that contradict the others: {outliers}; the film or the positions of the scan are wrong")]
+    AnotherFilm {
+        /// Number of these readings.
+        outliers: usize,
     },
     /// The probability of a false alarm is not between 0 and 1.
     #[error("probability of a false alarm = {0}, must be greater than 0 and less than 1")]

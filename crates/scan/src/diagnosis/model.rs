@@ -35,10 +35,12 @@ pub(crate) struct ScanModel {
 #[derive(Clone, Debug)]
 pub(crate) struct Linearized {
     pub(crate) state: State,
+    /// Whether each reading is used. Derivatives of the others are 0.
+    pub(crate) is_used: Vec<bool>,
     /// The readings of the scan's sensor at the points for this film.
     field_t: Vec<DVec3>,
     /// The derivative of all whitened readings by each unknown.
-    columns: Vec<Vec<f64>>,
+    pub(crate) columns: Vec<Vec<f64>>,
     /// Products of all pairs of columns.
     pub(crate) gram: DMatrix<f64>,
 }
@@ -48,6 +50,8 @@ pub(crate) struct Linearized {
 pub(crate) struct Compared {
     /// Measured readings minus the model's readings, in tesla.
     pub(crate) residuals_t: Vec<DVec3>,
+    /// The residuals over the noise; 0 for readings that are not used.
+    pub(crate) whitened: Vec<f64>,
     /// The sum of the squared residuals, each over the square of the noise.
     pub(crate) chi_squared: f64,
     /// The products of the columns with the residuals of the linear model at the origin of all
@@ -69,14 +73,23 @@ impl ScanModel {
         Ok(self)
     }
 
-    /// The model at a state. Derivatives by tiles unchanged since `before` are reused.
-    pub(crate) fn linearized(&self, state: State, before: Option<&Linearized>) -> Result<Linearized, DiagnosisError> {
+    /// The model of the used readings at a state. Derivatives by tiles unchanged since `before` are
+    /// reused.
+    pub(crate) fn linearized(
+        &self,
+        state: State,
+        is_used: &[bool],
+        before: Option<&Linearized>,
+    ) -> Result<Linearized, DiagnosisError> {
         let tiles = self.film.tiles_with_errors(&state.tiles, &state.groups).map_err(DiagnosisError::Tile)?;
         let scan = state.scan_parameters();
         let places: Vec<DVec3> = self.points.iter().map(|point| *point + scan.start).collect();
         let scene = Scene::new(&tiles);
         let field_t = scene.field_at(Quantity::FluxDensity, &places).map_err(DiagnosisError::Points)?;
-        let before = before.filter(|before| before.state.scan == state.scan && before.state.groups == state.groups);
+        let is_reusable = |before: &&Linearized| {
+            before.state.scan == state.scan && before.state.groups == state.groups && before.is_used == is_used
+        };
+        let before = before.filter(is_reusable);
         let is_new = |tile: usize| before.is_none_or(|before| before.state.tiles[tile] != state.tiles[tile]);
         let has_groups = self.unknowns.list.iter().any(|unknown| matches!(unknown, Unknown::Group { .. }));
         let responses: Vec<Option<TileResponse>> = (0..tiles.len())
@@ -129,8 +142,11 @@ impl ScanModel {
                     change_t.iter_mut().zip(&gradient).for_each(|(change, slope)| *change = slope.col(axis.index()));
                 }
             }
-            let whitened = |change: DVec3| (back * (scan.strength * change) / self.noise_t).to_array();
-            Some(change_t.into_iter().flat_map(whitened).collect())
+            let whitened = |(change, is_used): (DVec3, &bool)| match is_used {
+                true => (back * (scan.strength * change) / self.noise_t).to_array(),
+                false => [0.0; 3],
+            };
+            Some(change_t.into_iter().zip(is_used).flat_map(whitened).collect())
         };
         let fresh: Vec<Option<Vec<f64>>> = (0..self.unknowns.list.len()).into_par_iter().map(column).collect();
         let is_fresh: Vec<bool> = fresh.iter().map(Option::is_some).collect();
@@ -142,7 +158,7 @@ impl ScanModel {
             _ => None,
         });
         let field_t = field_t.into_iter().map(|field_t| scan.reading_t(field_t)).collect();
-        Ok(Linearized { state, field_t, columns, gram })
+        Ok(Linearized { state, is_used: is_used.to_vec(), field_t, columns, gram })
     }
 
     /// The tiles of a state.
@@ -153,12 +169,14 @@ impl ScanModel {
     /// The measured readings compared with a state.
     pub(crate) fn compared(&self, at: &Linearized, readings_t: &[DVec3]) -> Compared {
         let residuals_t: Vec<DVec3> = readings_t.iter().zip(&at.field_t).map(|(reading, b)| *reading - *b).collect();
-        let whitened: Vec<f64> =
-            residuals_t.iter().flat_map(|residual| (*residual / self.noise_t).to_array()).collect();
+        let used = residuals_t.iter().zip(&at.is_used);
+        let whitened: Vec<f64> = used
+            .flat_map(|(residual, is_used)| if *is_used { (*residual / self.noise_t).to_array() } else { [0.0; 3] })
+            .collect();
         let values = self.values(&at.state);
         let projected: Vec<f64> = at.columns.par_iter().map(|column| dot(column, &whitened)).collect();
         let projected = DVector::from_vec(projected) + &at.gram * values;
-        Compared { residuals_t, chi_squared: dot(&whitened, &whitened), projected }
+        Compared { residuals_t, chi_squared: dot(&whitened, &whitened), whitened, projected }
     }
 
     /// The values of all unknowns in a state.
@@ -171,6 +189,21 @@ impl ScanModel {
         let mut state = from.clone();
         self.unknowns.list.iter().zip(values.iter()).for_each(|(unknown, value)| state.set(*unknown, *value));
         state
+    }
+}
+
+impl Linearized {
+    /// The model without some of the readings.
+    pub(crate) fn without(mut self, readings: &[usize]) -> Linearized {
+        if readings.is_empty() {
+            return self;
+        }
+        for &reading in readings {
+            self.columns.iter_mut().for_each(|column| column[3 * reading..][..3].fill(0.0));
+            self.is_used[reading] = false;
+        }
+        let gram = products(&self.columns, |_, _| None);
+        Linearized { gram, ..self }
     }
 }
 

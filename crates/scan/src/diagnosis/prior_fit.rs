@@ -4,7 +4,7 @@
 //! (V^-1 + D^T D)^-1 D^T y with the covariance (V^-1 + D^T D)^-1. Before x is known, the readings
 //! have the covariance C = 1 + D V D^T with the inverse 1 - D (V^-1 + D^T D)^-1 D^T.
 
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn, SymmetricEigen};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix3, SymmetricEigen};
 
 use crate::diagnosis::error::DiagnosisError;
 use crate::diagnosis::significance::ln_probability_above;
@@ -87,6 +87,15 @@ impl<'a> PriorFit<'a> {
             deviations[*index] = root.column(i).norm();
         }
         deviations
+    }
+
+    /// The covariance that the fit gives readings, over the noise, from their derivatives by all
+    /// unknowns: each reading is three rows of `columns` from `row`.
+    pub(crate) fn leverage(&self, columns: &[Vec<f64>], row: usize) -> Matrix3<f64> {
+        let rows = DMatrix::from_fn(self.active.len(), 3, |i, axis| columns[self.active[i]][row + axis]);
+        let reduced =
+            self.inverse.l_dirty().lower_triangle().solve_lower_triangular(&rows).expect("the factor has an inverse");
+        Matrix3::from_fn(|i, j| reduced.column(i).dot(&reduced.column(j)))
     }
 
     /// Tests errors, each given by the indices of its components, against their prior deviations.

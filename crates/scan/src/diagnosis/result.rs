@@ -1,10 +1,13 @@
 //! Identified errors, and further results of a scan of a film.
 
+use std::f64::consts::PI;
+
 use glam::DVec3;
 use magsplice_magnet::{PerTileError, Tile, TileError};
 
-use crate::diagnosis::candidate::Candidate;
+use crate::diagnosis::candidate::{Candidate, ErrorKind};
 use crate::diagnosis::unresolved::{NarrowedError, SimilarErrors};
+use crate::exclusion::Exclusion;
 use crate::parameters::ScanParameters;
 
 /// An error with its standard deviation.
@@ -77,6 +80,8 @@ pub struct Diagnosis {
     pub scan: ScanParameters,
     /// Measured readings minus the readings of the found film, in tesla.
     pub residuals_t: Vec<DVec3>,
+    /// The reason why a reading is excluded, for each reading.
+    pub exclusions: Vec<Option<Exclusion>>,
     /// Sum of the squares of residuals over noise, and of expected errors over their deviations.
     pub chi_squared: f64,
     /// The expectation of chi squared: the number of readings minus the number of free unknowns.
@@ -92,6 +97,9 @@ pub struct Diagnosis {
 /// Probability below which noise and expected errors do not explain a residual.
 const IMPLAUSIBLE: f64 = 1e-4;
 
+/// Largest change of a strength, as a fraction: a reversed tile has -2.
+const MOST_STRENGTH_ERROR: f64 = 2.0;
+
 impl Diagnosis {
     /// Whether the residual is too large for the noise: the film has errors of another kind, or the
     /// noise is larger than specified.
@@ -99,9 +107,25 @@ impl Diagnosis {
         self.ln_probability < IMPLAUSIBLE.ln()
     }
 
-    /// Root mean square of the residual of a component, in tesla.
+    /// Whether every identified error is one that a tile can have: a turn by at most half a turn, a
+    /// displacement by at most the longest side of the tile, and a strength from the reversed
+    /// tile to three times the ordered strength, each beside its deviation.
+    pub fn has_possible_errors(&self, tiles: &[Tile]) -> bool {
+        self.detected.iter().all(|detected| {
+            let largest = match detected.candidate.kind {
+                ErrorKind::Strength => MOST_STRENGTH_ERROR,
+                ErrorKind::Turn | ErrorKind::Direction => PI,
+                ErrorKind::Displacement => tiles[detected.candidate.tile].size().max_element(),
+            };
+            detected.components.iter().all(|of| of.value.abs() <= largest + SIGNIFICANT * of.deviation)
+        })
+    }
+
+    /// Root mean square of the residual of a component, without excluded readings, in tesla.
     pub fn residual_t(&self) -> f64 {
-        let squares: f64 = self.residuals_t.iter().map(|residual| residual.length_squared()).sum();
-        (squares / (3 * self.residuals_t.len().max(1)) as f64).sqrt()
+        let used = self.residuals_t.iter().zip(&self.exclusions).filter(|(_, exclusion)| exclusion.is_none());
+        let (squares, count) =
+            used.fold((0.0, 0), |(squares, count), (of, _)| (squares + of.length_squared(), count + 3));
+        (squares / f64::from(count.max(1))).sqrt()
     }
 }

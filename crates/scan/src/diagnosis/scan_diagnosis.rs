@@ -14,6 +14,7 @@ use crate::diagnosis::settings::{DiagnosisSettings, FieldScan};
 use crate::diagnosis::significance::ln_probability_above;
 use crate::diagnosis::unknowns::{State, Unknown, Unknowns};
 use crate::diagnosis::unresolved::{narrowed, similar};
+use crate::exclusion::Exclusion;
 use crate::parameters::ScanParameters;
 
 /// A film and the positions of its scan, for any number of scans.
@@ -62,7 +63,7 @@ impl ScanDiagnosis {
         let film = RealFilm::new(tiles, &settings.expected);
         let model = ScanModel { film, points: scan.points_mm, noise_t: scan.noise_t, unknowns }.checked()?;
         let state = State::nominal(tiles.len(), settings.expected.groups.len(), &start);
-        let nominal = model.linearized(state, None)?;
+        let nominal = model.linearized(state, &vec![true; model.points.len()], None)?;
         let of_tile = |tile| ErrorKind::ALL.map(|kind| Candidate { tile, kind });
         let candidates = (0..tiles.len()).flat_map(of_tile).collect();
         Ok(ScanDiagnosis { model, settings, candidates, nominal })
@@ -75,7 +76,8 @@ impl ScanDiagnosis {
     }
 
     /// The diagnosis of readings, in tesla, one for each point of the scan and in the frame of the
-    /// film. `watch` receives the number of errors identified so far.
+    /// film. Readings that are not finite are not used, and wild readings are excluded. `watch`
+    /// receives the number of errors identified so far.
     ///
     /// # Errors
     /// See [`DiagnosisError`].
@@ -84,13 +86,22 @@ impl ScanDiagnosis {
     /// If the numbers of readings and points differ.
     pub fn diagnose(&self, readings_t: &[DVec3], watch: impl FnMut(usize)) -> Result<Diagnosis, DiagnosisError> {
         assert_eq!(readings_t.len(), self.model.points.len(), "one reading per point");
-        if let Some(index) = readings_t.iter().position(|reading_t| !reading_t.is_finite()) {
-            return Err(DiagnosisError::Reading { index });
+        let unfinished = |reading_t: &DVec3| (!reading_t.is_finite()).then_some(Exclusion::Incomplete);
+        let mut exclusions: Vec<Option<Exclusion>> = readings_t.iter().map(unfinished).collect();
+        let unusable: Vec<usize> = (0..exclusions.len()).filter(|index| exclusions[*index].is_some()).collect();
+        if unusable.len() == exclusions.len() {
+            return Err(DiagnosisError::Empty);
         }
+        let nominal = self.nominal.clone().without(&unusable);
         let (model, unknowns) = (&self.model, &self.model.unknowns);
         let ln_limit = self.naming_probability().ln();
-        let search = Search { model, readings_t, candidates: &self.candidates, ln_limit };
-        let found = search.run(&self.nominal, watch)?;
+        let candidates = &self.candidates;
+        let search = Search { model, readings_t, candidates, unusable: unusable.len(), ln_limit };
+        let found = search.run(&nominal, watch)?;
+        for (exclusion, is_used) in exclusions.iter_mut().zip(&found.at.is_used) {
+            *exclusion = exclusion.or_else(|| (!is_used).then_some(Exclusion::Outlier));
+        }
+        let used = exclusions.iter().filter(|exclusion| exclusion.is_none()).count();
         let errors: Vec<Candidate> = found.detected.iter().map(|detected| detected.candidate).collect();
         let deviations = unknowns.with_detected(&errors);
         let after = PriorFit::new(&found.at.gram, &found.compared.projected, &deviations)?.deviations();
@@ -110,7 +121,7 @@ impl ScanDiagnosis {
         let chi_squared = found.compared.chi_squared
             + expected.map(|(_, (value, deviation))| (value / deviation).powi(2)).sum::<f64>();
         let free = unknowns.of_scan() + detected.iter().map(|detected| detected.components.len()).sum::<usize>();
-        let freedom = (3 * readings_t.len()).saturating_sub(free).max(1);
+        let freedom = (3 * used).saturating_sub(free).max(1);
         // In the found film, components below the noise have their expected values or vanish.
         let mut resolved = deviations.clone();
         for (index, resolved) in resolved.iter_mut().enumerate().filter(|(index, _)| is_part(*index)) {
@@ -127,6 +138,7 @@ impl ScanDiagnosis {
             errors: film.state.tiles,
             scan: found.at.state.scan_parameters(),
             residuals_t: found.compared.residuals_t,
+            exclusions,
             chi_squared,
             degrees_of_freedom: freedom,
             ln_probability: ln_probability_above(chi_squared, freedom),

@@ -2,12 +2,14 @@
 //! with a refit by Gauss-Newton steps.
 
 use glam::DVec3;
+use nalgebra::{Matrix3, Vector3};
 
 use crate::diagnosis::candidate::Candidate;
 use crate::diagnosis::error::DiagnosisError;
 use crate::diagnosis::model::{Compared, Linearized, ScanModel};
 use crate::diagnosis::prior_fit::{PriorFit, Score};
 use crate::diagnosis::result::DetectedError;
+use crate::fit::{DEVIATION_OVER_MEDIAN, MOST_OUTLIERS, OUTLIER};
 
 /// Fall of the sum of squares, in units of the variance of the noise, below which Gauss-Newton
 /// steps end. Errors then change by a thirtieth of their standard deviation.
@@ -27,11 +29,16 @@ const MOST_NAMED: usize = 16;
 /// to an identified error.
 const ALTERNATIVE: f64 = 6.9;
 
+/// Number of readings, with the largest residuals, that are tested as wild.
+const SUSPECTED: usize = 30;
+
 /// A search for faulty tiles in one scan.
 pub(crate) struct Search<'a> {
     pub(crate) model: &'a ScanModel,
     pub(crate) readings_t: &'a [DVec3],
     pub(crate) candidates: &'a [Candidate],
+    /// Number of readings that were unusable from the beginning.
+    pub(crate) unusable: usize,
     /// The logarithm of the probability below which an error is identified.
     pub(crate) ln_limit: f64,
 }
@@ -53,17 +60,32 @@ impl Search<'_> {
         let mut detected: Vec<Candidate> = Vec::new();
         let mut visited: Vec<Vec<Candidate>> = vec![Vec::new()];
         let deviations = |detected: &[Candidate]| self.model.unknowns.with_detected(detected);
-        let (mut at, mut compared) = self.converged(start.clone(), &deviations(&detected))?;
+        // Wild readings are excluded before they pull the first fit.
+        let mut start = start.clone();
+        loop {
+            let compared = self.model.compared(&start, self.readings_t);
+            let wild = self.wild(&start, &compared, &detected)?;
+            if wild.is_empty() {
+                break;
+            }
+            start = start.without(&wild);
+        }
+        let (mut at, mut compared) = self.converged(start, &deviations(&detected))?;
         let is_complete = loop {
             watch(detected.len());
+            let wild = self.wild(&at, &compared, &detected)?;
+            if !wild.is_empty() {
+                (at, compared) = self.converged(at.without(&wild), &deviations(&detected))?;
+                // Errors that wild readings suggested or hid are tested anew.
+                visited = vec![sorted(&detected)];
+                continue;
+            }
             let Some(next) = self.next(&at, &compared, &detected, &visited)? else { break true };
             if next.len() > MOST_NAMED {
                 break false;
             }
             detected = next;
-            let mut sorted = detected.clone();
-            sorted.sort_unstable();
-            visited.push(sorted);
+            visited.push(sorted(&detected));
             (at, compared) = self.converged(at, &deviations(&detected))?;
         };
         let mut tested = detected
@@ -100,11 +122,7 @@ impl Search<'_> {
         detected: &[Candidate],
         visited: &[Vec<Candidate>],
     ) -> Result<Option<Vec<Candidate>>, DiagnosisError> {
-        let is_new = |errors: &[Candidate]| {
-            let mut sorted = errors.to_vec();
-            sorted.sort_unstable();
-            !visited.contains(&sorted)
-        };
+        let is_new = |errors: &[Candidate]| !visited.contains(&sorted(errors));
         let mut weakest: Option<(Candidate, f64)> = None;
         let mut exchange: Option<(Vec<Candidate>, f64)> = None;
         for error in detected {
@@ -140,6 +158,50 @@ impl Search<'_> {
             .filter(|more: &Vec<_>| is_new(more)))
     }
 
+    /// The readings that contradict all others: more than six standard deviations from the fit of
+    /// the others, and better explained alone than with any error of a tile. The deviation is the
+    /// noise, or the deviation of the residuals if that is larger. A reading with any value is an
+    /// outlier of the mean-shift model (R. D. Cook and S. Weisberg, Residuals and Influence in
+    /// Regression, 1982, section 2.2.2).
+    fn wild(&self, at: &Linearized, compared: &Compared, detected: &[Candidate]) -> Result<Vec<usize>, DiagnosisError> {
+        let used: Vec<usize> = (0..at.is_used.len()).filter(|reading| at.is_used[*reading]).collect();
+        let fit = PriorFit::new(&at.gram, &compared.projected, &self.model.unknowns.with_detected(detected))?;
+        let step = &fit.estimate - self.model.values(&at.state);
+        let residual = |reading: usize| {
+            Vector3::from_fn(|axis, _| {
+                let row = 3 * reading + axis;
+                let moved: f64 = at.columns.iter().zip(step.iter()).map(|(column, step)| column[row] * step).sum();
+                compared.whitened[row] - moved
+            })
+        };
+        let mut residuals: Vec<(usize, Vector3<f64>)> =
+            used.iter().map(|reading| (*reading, residual(*reading))).collect();
+        let mut magnitudes: Vec<f64> = residuals.iter().flat_map(|(_, of)| of.abs().as_slice().to_vec()).collect();
+        let middle = magnitudes.len() / 2;
+        let (_, median, _) = magnitudes.select_nth_unstable_by(middle, f64::total_cmp);
+        let variance = (DEVIATION_OVER_MEDIAN * *median).max(1.0).powi(2);
+        residuals.sort_by(|(_, a), (_, b)| b.norm_squared().total_cmp(&a.norm_squared()));
+        residuals.truncate(SUSPECTED);
+        // The test of a reading without the reading itself, by its leverage.
+        let chi_squared = |(reading, residual): &(usize, Vector3<f64>)| {
+            let own = Matrix3::identity() - fit.leverage(&at.columns, 3 * reading);
+            own.cholesky().map_or(0.0, |own| residual.dot(&own.solve(residual)))
+        };
+        let suspected: Vec<(usize, f64)> = residuals.iter().map(|of| (of.0, chi_squared(of))).collect();
+        if suspected.iter().all(|(_, chi_squared)| *chi_squared < OUTLIER * OUTLIER * variance) {
+            return Ok(Vec::new());
+        }
+        let best_tile = self.scores(&fit, detected).into_iter().map(|(_, score)| score.chi_squared).fold(0.0, f64::max);
+        let limit = best_tile.max(OUTLIER * OUTLIER * variance);
+        let wild: Vec<usize> =
+            suspected.into_iter().filter(|(_, of)| *of > limit).map(|(reading, _)| reading).collect();
+        let excluded = at.is_used.len() - used.len() + wild.len() - self.unusable;
+        match excluded as f64 > MOST_OUTLIERS * (at.is_used.len() - self.unusable) as f64 {
+            true => Err(DiagnosisError::AnotherFilm { outliers: excluded }),
+            false => Ok(wild),
+        }
+    }
+
     /// The tests of all errors that are not identified, after the removal of `error`.
     fn without(
         &self,
@@ -171,7 +233,8 @@ impl Search<'_> {
         // Errors no longer identified get their expected values or vanish.
         values.iter_mut().zip(deviations).filter(|(_, d)| **d == 0.0).for_each(|(value, _)| *value = 0.0);
         let state = self.model.state(&from.state, &values);
-        let mut at = if state == from.state { from } else { self.model.linearized(state, Some(&from))? };
+        let is_used = from.is_used.clone();
+        let mut at = if state == from.state { from } else { self.model.linearized(state, &is_used, Some(&from))? };
         let objective = |compared: &Compared, values: &nalgebra::DVector<f64>| {
             let prior =
                 |(value, deviation): (&f64, &f64)| if *deviation > 0.0 { (value / deviation).powi(2) } else { 0.0 };
@@ -190,7 +253,7 @@ impl Search<'_> {
                 let next = &values + &step * share;
                 share *= 0.5;
                 // A step to invalid tiles or points is too long.
-                let there = self.model.linearized(self.model.state(&at.state, &next), Some(&at)).ok()?;
+                let there = self.model.linearized(self.model.state(&at.state, &next), &is_used, Some(&at)).ok()?;
                 let compared = self.model.compared(&there, self.readings_t);
                 (objective(&compared, &next) < now).then_some((next, there, compared))
             });
@@ -199,6 +262,13 @@ impl Search<'_> {
         }
         Ok((at, compared))
     }
+}
+
+/// The errors in an order of their own.
+fn sorted(errors: &[Candidate]) -> Vec<Candidate> {
+    let mut sorted = errors.to_vec();
+    sorted.sort_unstable();
+    sorted
 }
 
 /// The identified errors without one of them.

@@ -7,8 +7,8 @@ use magsplice_field::Scene;
 use magsplice_layout::{FilmTolerance, Layout, Preset};
 use magsplice_magnet::{Axis, Quantity, Tile, TileError};
 use magsplice_scan::{
-    Candidate, Diagnosis, DiagnosisError, DiagnosisSettings, ErrorKind, FieldScan, FreeParameters, ScanDiagnosis,
-    ScanParameters,
+    Candidate, Diagnosis, DiagnosisError, DiagnosisSettings, ErrorKind, Exclusion, FieldScan, FreeParameters,
+    ScanDiagnosis, ScanParameters,
 };
 use magsplice_tolerance::RealFilm;
 use rand::{Rng, SeedableRng};
@@ -16,18 +16,18 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::noisy::{normal, readings};
 
-const NOISE_T: f64 = 1e-5;
+pub(crate) const NOISE_T: f64 = 1e-5;
 
-fn film() -> Vec<Tile> {
+pub(crate) fn film() -> Vec<Tile> {
     Layout::read("../../layouts/published-film.toml").unwrap_or_else(|e| panic!("{e}")).bare_tiles()
 }
 
 /// Every millimetre over the film of 20 mm, 1 mm below it.
-fn points() -> Vec<DVec3> {
+pub(crate) fn points() -> Vec<DVec3> {
     (0..441).map(|n| DVec3::new(f64::from(n % 21) - 10.0, f64::from(n / 21) - 10.0, -1.0)).collect()
 }
 
-fn model(settings: DiagnosisSettings) -> ScanDiagnosis {
+pub(crate) fn model(settings: DiagnosisSettings) -> ScanDiagnosis {
     let scan = FieldScan { points_mm: points(), noise_t: DVec3::splat(NOISE_T) };
     ScanDiagnosis::new(&film(), scan, settings, ScanParameters::PERFECT).unwrap()
 }
@@ -40,7 +40,7 @@ fn changed(tile: &Tile, turn_rad: f64, strength: f64, shift_mm: DVec3) -> Tile {
 }
 
 /// Three different tiles with a turn of 3 degrees, 5 % less strength, and a shift of 0.1 mm.
-fn made_faulty(tiles: &mut [Tile], random: &mut ChaCha8Rng) -> [Candidate; 3] {
+pub(crate) fn made_faulty(tiles: &mut [Tile], random: &mut ChaCha8Rng) -> [Candidate; 3] {
     let mut others: Vec<usize> = (0..tiles.len()).collect();
     let [turned, weak, moved] = [(); 3].map(|()| others.swap_remove(random.random_range(0..others.len())));
     tiles[turned] = changed(&tiles[turned], 3_f64.to_radians(), 1.0, DVec3::ZERO);
@@ -54,7 +54,7 @@ fn made_faulty(tiles: &mut [Tile], random: &mut ChaCha8Rng) -> [Candidate; 3] {
     ]
 }
 
-fn candidates(found: &Diagnosis) -> Vec<Candidate> {
+pub(crate) fn candidates(found: &Diagnosis) -> Vec<Candidate> {
     let mut all: Vec<Candidate> = found.detected.iter().map(|detected| detected.candidate).collect();
     all.sort_by_key(|candidate| (candidate.tile, candidate.kind));
     all
@@ -242,11 +242,16 @@ fn bad_settings_are_refused() {
 }
 
 #[test]
-fn readings_that_are_not_finite_are_refused() {
-    let mut readings_t = readings(&film(), &points(), NOISE_T, &mut ChaCha8Rng::seed_from_u64(1));
-    for value in [f64::NAN, f64::INFINITY] {
-        readings_t[7].y = value;
-        let refused = model(DiagnosisSettings::default()).diagnose(&readings_t, |_| {}).unwrap_err();
-        assert_eq!(refused, DiagnosisError::Reading { index: 7 });
+fn readings_that_are_not_finite_are_excluded() {
+    let clean = readings(&film(), &points(), NOISE_T, &mut ChaCha8Rng::seed_from_u64(1));
+    let mut readings_t = clean.clone();
+    (readings_t[7].y, readings_t[9].z) = (f64::NAN, f64::INFINITY);
+    let found = model(DiagnosisSettings::default()).diagnose(&readings_t, |_| {}).unwrap();
+    assert!(found.detected.is_empty() && !found.is_residual_too_large(), "{:?}", found.detected);
+    assert_eq!(found.degrees_of_freedom, 3 * (441 - 2));
+    for (index, exclusion) in found.exclusions.iter().enumerate() {
+        assert_eq!(*exclusion, [7, 9].contains(&index).then_some(Exclusion::Incomplete), "{index}");
     }
+    let none = model(DiagnosisSettings::default()).diagnose(&[DVec3::NAN; 441], |_| {}).unwrap_err();
+    assert_eq!(none, DiagnosisError::Empty);
 }

@@ -40,11 +40,11 @@ fn numbers(parameters: &ScanParameters) -> Vec<f64> {
 #[test]
 fn scan_without_noise_gives_its_parameters() {
     let (scene, points) = film();
-    let fit = fit_scan(&scene, &points, &scan(&scene, &points, 0.0, 1), FreeParameters::ALL).unwrap();
+    let fit = fit_scan(&scene, &points, &scan(&scene, &points, 0.0, 1), FreeParameters::ALL, None).unwrap();
     for (found, truth) in numbers(&fit.parameters).into_iter().zip(numbers(&TRUTH)) {
         assert!((found - truth).abs() < 1e-9 * (1.0 + truth.abs()), "{found}, not {truth}");
     }
-    assert_eq!(fit.outliers, [0; 0]);
+    assert!(fit.exclusions.iter().all(Option::is_none), "{:?}", fit.exclusions);
     assert!(fit.noise_t < 1e-12, "{}", fit.noise_t);
 }
 
@@ -56,7 +56,7 @@ fn parameters_scatter_as_stated() {
     let (scene, points) = film();
     let (mut squares, mut count, mut within) = (0.0, 0.0, 0.0);
     for seed in 0..100 {
-        let fit = fit_scan(&scene, &points, &scan(&scene, &points, 5e-6, seed), FreeParameters::ALL).unwrap();
+        let fit = fit_scan(&scene, &points, &scan(&scene, &points, 5e-6, seed), FreeParameters::ALL, None).unwrap();
         assert!((fit.noise_t / 5e-6 - 1.0).abs() < 0.1, "{}", fit.noise_t);
         let errors = numbers(&fit.parameters).into_iter().zip(numbers(&TRUTH)).zip(numbers(&fit.deviations));
         for ((found, truth), deviation) in errors {
@@ -76,8 +76,9 @@ fn outliers_are_excluded_and_listed() {
     let mut readings = scan(&scene, &points, 5e-6, 7);
     readings[17].y += 5e-4;
     readings[300] = DVec3::new(0.0, 0.0, 0.01);
-    let fit = fit_scan(&scene, &points, &readings, FreeParameters::ALL).unwrap();
-    assert_eq!(fit.outliers, [17, 300]);
+    let fit = fit_scan(&scene, &points, &readings, FreeParameters::ALL, None).unwrap();
+    let excluded: Vec<usize> = (0..points.len()).filter(|index| fit.exclusions[*index].is_some()).collect();
+    assert_eq!(excluded, [17, 300]);
     for ((found, truth), deviation) in
         numbers(&fit.parameters).into_iter().zip(numbers(&TRUTH)).zip(numbers(&fit.deviations))
     {
@@ -89,17 +90,17 @@ fn outliers_are_excluded_and_listed() {
 fn scans_that_tell_too_little_are_refused() {
     let (scene, points) = film();
     let readings = scan(&scene, &points, 0.0, 1);
-    let few = fit_scan(&scene, &points[..4], &readings[..4], FreeParameters::ALL).unwrap_err();
+    let few = fit_scan(&scene, &points[..4], &readings[..4], FreeParameters::ALL, None).unwrap_err();
     assert_eq!(few.to_string(), "too few readings for the parameters: 4, must be at least 5");
     // One point again and again.
     let same = vec![points[100]; 20];
-    let error = fit_scan(&scene, &same, &vec![readings[100]; 20], FreeParameters::ALL).unwrap_err();
+    let error = fit_scan(&scene, &same, &vec![readings[100]; 20], FreeParameters::ALL, None).unwrap_err();
     let ScanError::Undetermined(names) = &error else { panic!("{error}") };
     // Each parameter once, although many combinations are undetermined.
     assert!(!names.is_empty() && (1..names.len()).all(|n| !names[..n].contains(&names[n])), "{error}");
     // Readings that no pose of the sensor has.
     let other: Vec<DVec3> = readings.iter().rev().map(|reading| *reading * DVec3::new(3.0, -1.0, 0.2)).collect();
-    let error = fit_scan(&scene, &points, &other, FreeParameters::ALL);
+    let error = fit_scan(&scene, &points, &other, FreeParameters::ALL, None);
     assert!(error.is_err(), "{:?}", error.map(|fit| fit.parameters));
 }
 
@@ -107,7 +108,7 @@ fn scans_that_tell_too_little_are_refused() {
 fn parameters_that_are_not_free_stay() {
     let (scene, points) = film();
     let free = FreeParameters { strength: true, offset: true, rotation: false, start: false };
-    let fit = fit_scan(&scene, &points, &scan(&scene, &points, 0.0, 1), free).unwrap();
+    let fit = fit_scan(&scene, &points, &scan(&scene, &points, 0.0, 1), free, None).unwrap();
     assert_eq!((fit.parameters.rotation_rad, fit.parameters.start), (DVec3::ZERO, DVec3::ZERO));
     assert_eq!((fit.deviations.rotation_rad, fit.deviations.start), (DVec3::ZERO, DVec3::ZERO));
     // The strength compensates for the fixed rotation and start. This is no noise of the sensor.
@@ -132,7 +133,7 @@ fn scans_by_any_sensor_give_their_parameters() {
     let places: Vec<DVec3> = points.iter().map(|point| *point + TRUTH.start).collect();
     let unscaled = sensed.without_gain_and_offset().readings_t(&places).unwrap();
     let readings: Vec<DVec3> = unscaled.into_iter().map(|b| gain * TRUTH.reading_t(b) + offset_t).collect();
-    let fit = fit_scan(sensed, &points, &readings, FreeParameters::ALL).unwrap();
+    let fit = fit_scan(sensed, &points, &readings, FreeParameters::ALL, None).unwrap();
     assert!((fit.parameters.strength - TRUTH.strength).abs() < 1e-9);
     assert!((fit.parameters.start - TRUTH.start).length() < 1e-9, "{:?}", fit.parameters);
     assert!((fit.parameters.rotation_rad - TRUTH.rotation_rad).length() < 1e-9, "{:?}", fit.parameters);

@@ -3,3 +3,4 @@
 mod diagnosis;
 mod fit;
 mod noisy;
+mod wild;

@@ -8,11 +8,12 @@ use magsplice::Film;
 use magsplice::layout::TileForm;
 use magsplice::prelude::DVec3;
 use magsplice::results::FilmDiagnosis;
+use magsplice::scan::Diagnosis;
 use magsplice::sensor::Noise;
 #[cfg(feature = "report")]
 use magsplice_report::diagnosis_figure;
 
-use super::scan::refused;
+use super::scan::{refused, tell_excluded};
 use crate::args::fit::FitArg;
 use crate::args::preset::PresetArgs;
 use crate::args::readings::noise;
@@ -116,10 +117,10 @@ pub(crate) fn run(args: &DiagnoseArgs, quiet: bool) -> Result<(), Failure> {
     }
     let film = session.film()?;
     let found = film
-        .diagnose(points_mm, &readings_t, args.noise, FitArg::free(&args.fit), args.false_alarm)
+        .diagnose(&points_mm, &readings_t, &lines, args.noise, FitArg::free(&args.fit), args.false_alarm)
         .map_err(|error| refused(&session, &args.scan, &lines, error))?;
     session.progress.end();
-    if let Some(file) = found_file {
+    if let Some(file) = found_file.filter(|_| !found.is_rejected) {
         let scan = args.scan.file_name().map_or_else(|| "a scan".into(), |name| name.to_string_lossy());
         let layout = found.found_layout(&original, &scan, &format!("{PROGRAM} diagnose"));
         let folder = args.output.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
@@ -140,6 +141,8 @@ pub(crate) fn run(args: &DiagnoseArgs, quiet: bool) -> Result<(), Failure> {
     if args.output.as_deref() != Some(Path::new("-")) {
         print(&result)?;
     }
+    let Diagnosis { exclusions, residuals_t, .. } = &found.diagnosis;
+    tell_excluded(&session, &args.scan, &lines, exclusions, residuals_t);
     if found.is_residual_too_large {
         session.tell(&format!(
             "{}: chi squared of the residual is {} times its expectation: the noise is larger than specified, the film \
@@ -148,6 +151,13 @@ pub(crate) fn run(args: &DiagnoseArgs, quiet: bool) -> Result<(), Failure> {
             number(found.reduced_chi_squared()),
             if args.fit.is_empty() { " (--fit fits them)" } else { "" }
         ));
+    }
+    if let Some(placement) = &found.placement {
+        session.tell(&format!("{}: {}", args.scan.display(), placement));
+    }
+    if found.is_rejected && args.output.is_some() {
+        let message = "errors of tiles do not explain the scan, so no layout is written";
+        return Err(Failure::at(&args.scan, message.to_owned()));
     }
     Ok(())
 }

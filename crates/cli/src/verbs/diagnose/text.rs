@@ -12,7 +12,7 @@ use crate::args::fit::FitArg;
 use crate::text::number::{counted, number};
 use crate::text::units::{in_per_cent, in_ut};
 use crate::text::{header, rows};
-use crate::verbs::scan::text::fitted;
+use crate::verbs::scan::text::{excluded, fitted};
 
 /// Tiles, errors and pairs that are listed.
 const LISTED: usize = 6;
@@ -20,9 +20,9 @@ const LISTED: usize = 6;
 /// The report of `diagnose` about the file `scan`, of which `fit` was fitted.
 pub(super) fn diagnosis(film: &Film, scan: &Path, fit: &[FitArg], found: &FilmDiagnosis) -> String {
     let mut text = header::with_recoil(film);
-    let noise = in_ut(found.noise_t);
+    let [x, y, z] = in_ut(found.noise_t).to_array().map(number);
     let readings = counted(found.readings, "reading", "readings");
-    let _ = writeln!(text, "scan {}: {readings}, noise {}, {}, {} uT", scan.display(), noise.x, noise.y, noise.z);
+    let _ = writeln!(text, "scan {}: {readings}, noise {x}, {y}, {z} uT", scan.display());
     let _ = writeln!(
         text,
         "{}, false alarms in {} % of fault-free films",
@@ -35,7 +35,7 @@ pub(super) fn diagnosis(film: &Film, scan: &Path, fit: &[FitArg], found: &FilmDi
     );
     text.push('\n');
     faulty_tiles(&mut text, found);
-    if !found.is_complete {
+    if !found.is_complete && !found.is_rejected {
         rows::prose(
             &mut text,
             "and more: use the layout of this film, or give the expected errors of its tiles, as by --preset",
@@ -48,16 +48,18 @@ pub(super) fn diagnosis(film: &Film, scan: &Path, fit: &[FitArg], found: &FilmDi
     }
     text.push('\n');
     rows::cell(&mut text, "residual of a component, uT", &number(in_ut(found.residual_t)));
+    excluded(&mut text, &found.excluded);
     rows::cell(&mut text, "chi squared over its expectation", &number(found.reduced_chi_squared()));
-    if found.is_residual_too_large {
-        rows::prose(&mut text, "The residual is too large for the noise: the reported errors may be wrong.");
-    }
     unresolved(&mut text, found);
     text
 }
 
 /// The faulty tiles with their errors.
 fn faulty_tiles(text: &mut String, found: &FilmDiagnosis) {
+    if found.is_rejected {
+        text.push_str("errors of tiles do not explain the scan, so no tile is reported\n");
+        return;
+    }
     if found.faulty.is_empty() {
         text.push_str("no faulty tile\n");
         return;

@@ -7,7 +7,7 @@ use magsplice::Film;
 use magsplice::FilmError;
 use magsplice::prelude::DVec3;
 use magsplice::results::FilmScan;
-use magsplice::scan::DiagnosisError;
+use magsplice::scan::{DiagnosisError, Exclusion};
 #[cfg(feature = "report")]
 use magsplice_report::scan_figures;
 
@@ -99,7 +99,7 @@ pub(crate) fn run(args: &ScanArgs, quiet: bool) -> Result<(), Failure> {
     }
     let result = args.result.format.shown(&found, || text::scan(&film, &args.scan, &args.fit, &found));
     session.write(output, &result)?;
-    tell_outliers(&session, args, &found);
+    tell_excluded(&session, &args.scan, &lines, &found.exclusions, &found.residuals_t);
     tell_implausible(&session, args, &found);
     Ok(())
 }
@@ -116,6 +116,7 @@ pub(super) fn refused(session: &Session, scan: &Path, lines: &[u64], error: Film
             return faults.failure(scan.display());
         }
         FilmError::Scan(error) => error.to_string(),
+        FilmError::Misplaced(placement) => placement.to_string(),
         FilmError::Diagnosis(DiagnosisError::NoDerivative { tile, point: DVec3 { x, y, z } }) => format!(
             "the field of tile \"{}\" has no derivatives at ({x}, {y}, {z}) mm, must be away from its edges",
             session.layout.tiles[tile].name
@@ -162,14 +163,26 @@ fn tell_implausible(session: &Session, args: &ScanArgs, found: &FilmScan) {
     }
 }
 
-/// Lists the outliers on standard error.
-fn tell_outliers(session: &Session, args: &ScanArgs, found: &FilmScan) {
+/// Lists the excluded readings on standard error.
+pub(super) fn tell_excluded(
+    session: &Session,
+    scan: &Path,
+    lines: &[u64],
+    exclusions: &[Option<Exclusion>],
+    residuals_t: &[DVec3],
+) {
     let mut faults = FaultList::default();
-    for (index, line) in found.outliers.iter().zip(&found.excluded) {
-        let DVec3 { x, y, z } = in_ut(found.residuals_t[*index]);
-        faults.add(*line, format!("line {line}: excluded as an outlier, residual ({x:.1}, {y:.1}, {z:.1}) uT"));
+    for ((line, exclusion), residual_t) in lines.iter().zip(exclusions).zip(residuals_t) {
+        let DVec3 { x, y, z } = in_ut(*residual_t);
+        let reason = match exclusion {
+            None => continue,
+            Some(Exclusion::Incomplete) => "as incomplete: a component is missing".to_owned(),
+            Some(Exclusion::Saturated) => "as saturated: a component is at the limit of the sensor's range".to_owned(),
+            Some(Exclusion::Outlier) => format!("as an outlier, residual ({x:.1}, {y:.1}, {z:.1}) uT"),
+        };
+        faults.add(*line, format!("line {line}: excluded {reason}"));
     }
     if !faults.is_empty() {
-        session.tell(&faults.remarks(args.scan.display()));
+        session.tell(&faults.remarks(scan.display()));
     }
 }

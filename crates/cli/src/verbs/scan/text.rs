@@ -5,7 +5,8 @@ use std::path::Path;
 
 use magsplice::Film;
 use magsplice::prelude::DVec3;
-use magsplice::results::{FilmScan, FittedScan};
+use magsplice::results::{ExcludedReadings, FilmScan, FittedScan};
+use magsplice::scan::SignedAxes;
 
 use crate::args::fit::FitArg;
 use crate::text::number::{counted, number};
@@ -24,7 +25,8 @@ pub(super) fn scan(film: &Film, scan: &Path, fit: &[FitArg], found: &FilmScan) -
     rows::heading(&mut text, "fitted, with standard deviations", ["x", "y", "z"]);
     fitted(&mut text, fit, &found.fitted, Some(&found.deviation));
     rows::cell(&mut text, "residual of a component, uT", &number(in_ut(found.residual_t)));
-    rows::cell(&mut text, "outliers, excluded", &found.excluded.len().to_string());
+    excluded(&mut text, &found.excluded);
+    axes(&mut text, found);
     if let Some(uniformity) = &found.uniformity_rmse {
         text.push('\n');
         rows::heading(&mut text, "uniformity RMSE (Eq. 15)", ["R_x", "R_y", "S_z"]);
@@ -40,6 +42,25 @@ pub(super) fn scan(film: &Film, scan: &Path, fit: &[FitArg], found: &FilmScan) -
         }
     }
     text
+}
+
+/// Appends the numbers of excluded readings. Outliers are always counted.
+pub(crate) fn excluded(text: &mut String, excluded: &ExcludedReadings) {
+    for (reason, numbers) in excluded.by_reason() {
+        if !numbers.is_empty() || reason == "outliers" {
+            rows::cell(text, &format!("{reason}, excluded"), &numbers.len().to_string());
+        }
+    }
+}
+
+/// Appends exchanged axes.
+fn axes(text: &mut String, found: &FilmScan) {
+    if found.sensor_axes != SignedAxes::SAME {
+        let _ = writeln!(text, "axes of the sensor: {}: {}", found.sensor_axes, found.sensor_axes.remedy());
+    }
+    if found.stage_axes != SignedAxes::SAME {
+        let _ = writeln!(text, "axes of the positions: {}: change their columns", found.stage_axes);
+    }
 }
 
 /// Appends the parameters of a scan that were fitted, with their deviations if they are known.

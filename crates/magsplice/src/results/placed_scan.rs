@@ -1,0 +1,85 @@
+//! Whether the sensor of a scan was where it is stated, before errors of tiles are searched.
+
+use glam::DVec3;
+use magsplice_field::Scene;
+use magsplice_magnet::Quantity;
+use magsplice_scan::{FreeParameters, ScanParameters, fit_scan};
+
+use super::placement::SensorPlacement;
+use crate::film_error::FilmError;
+
+/// Square of the residual beyond the noise with another placement of the sensor, over the same with
+/// errors of tiles, below which the placement is the explanation.
+const EXPLAINED: f64 = 0.25;
+
+/// Residual of the film as ordered over the root mean square of the readings above which another
+/// placement is tried before errors of tiles. Errors of all tiles of films made by hand leave a
+/// tenth.
+const MISPLACED: f64 = 0.2;
+
+/// A scan of the field of a film as ordered. Readings that are not used are NaN.
+pub(super) struct PlacedScan<'a> {
+    ordered: &'a Scene,
+    points_mm: &'a [DVec3],
+    field_t: &'a [DVec3],
+    /// Square of the noise of a component.
+    noise_squared: f64,
+    /// Where the middle of the scan is likely.
+    centre_mm: Option<DVec3>,
+}
+
+impl<'a> PlacedScan<'a> {
+    pub(super) fn new(
+        ordered: &'a Scene,
+        points_mm: &'a [DVec3],
+        field_t: &'a [DVec3],
+        noise_t: DVec3,
+        centre_mm: Option<DVec3>,
+    ) -> PlacedScan<'a> {
+        PlacedScan { ordered, points_mm, field_t, noise_squared: noise_t.length_squared() / 3.0, centre_mm }
+    }
+
+    /// The parameters of the film as ordered, of which `free` are fitted; those of a perfect scan
+    /// where faulty tiles do not let them be fitted.
+    ///
+    /// # Errors
+    /// [`FilmError::Misplaced`] for a scan that another placement of the sensor explains, and
+    /// [`FilmError::Points`] for points without a field.
+    pub(super) fn start(&self, free: FreeParameters) -> Result<ScanParameters, FilmError> {
+        let fit = (free != FreeParameters::NONE)
+            .then(|| fit_scan(self.ordered, self.points_mm, self.field_t, free, self.centre_mm).ok())
+            .flatten();
+        if let Some(fit) = fit.as_ref().filter(|fit| !fit.has_stated_axes()) {
+            return Err(FilmError::Misplaced(Box::new(SensorPlacement::new(fit))));
+        }
+        let start = fit.map_or(ScanParameters::PERFECT, |fit| fit.parameters);
+        let [residual_t, reading_t] = self.medians(&start)?;
+        let placement = (residual_t > MISPLACED * reading_t).then(|| self.explaining(residual_t)).flatten();
+        placement.map_or(Ok(start), |placement| Err(FilmError::Misplaced(Box::new(placement))))
+    }
+
+    /// The placement of the sensor that explains the scan, if it leaves much less than a residual.
+    pub(super) fn explaining(&self, residual_t: f64) -> Option<SensorPlacement> {
+        let fit = fit_scan(self.ordered, self.points_mm, self.field_t, FreeParameters::ALL, self.centre_mm).ok()?;
+        let excess = |residual_t: f64| residual_t.powi(2) - self.noise_squared;
+        (excess(fit.noise_t) < EXPLAINED * excess(residual_t)).then(|| SensorPlacement::new(&fit))
+    }
+
+    /// Residual and reading of one component, in tesla, from the medians of their squares, in which
+    /// a few wild readings do not count.
+    fn medians(&self, start: &ScanParameters) -> Result<[f64; 2], FilmError> {
+        let places: Vec<DVec3> = self.points_mm.iter().map(|point| *point + start.start).collect();
+        let ordered_t = self.ordered.field_at(Quantity::FluxDensity, &places).map_err(FilmError::Points)?;
+        let used = self.field_t.iter().zip(ordered_t).filter(|(read_t, _)| read_t.is_finite());
+        let (mut residuals, mut readings): (Vec<f64>, Vec<f64>) = used
+            .map(|(read_t, of_t)| {
+                let residual = *read_t - start.reading_t(of_t);
+                (residual.length_squared() / 3.0, (*read_t - start.offset_t).length_squared() / 3.0)
+            })
+            .unzip();
+        Ok([&mut residuals, &mut readings].map(|squares| {
+            squares.sort_by(f64::total_cmp);
+            squares.get(squares.len() / 2).map_or(0.0, |square| square.sqrt())
+        }))
+    }
+}

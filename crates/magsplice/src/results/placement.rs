@@ -1,0 +1,82 @@
+//! Where the sensor of a scan was, and how it was turned.
+
+use std::fmt;
+
+use glam::DVec3;
+use magsplice_scan::{ScanFit, ScanParameters, SignedAxes};
+use serde::Serialize;
+
+/// What is not known of a scan beforehand.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct FittedScan {
+    /// Strength of all tiles over the strength of the layout.
+    pub strength: f64,
+    /// Offset of the sensor and uniform stray field together.
+    pub offset_t: DVec3,
+    /// Rotation vector of the sensor.
+    pub rotation_deg: DVec3,
+    /// Position of the sensor where the scan has its origin.
+    pub start_mm: DVec3,
+}
+
+impl FittedScan {
+    pub(crate) fn new(of: &ScanParameters, offset_t: DVec3) -> FittedScan {
+        FittedScan {
+            strength: of.strength,
+            offset_t,
+            rotation_deg: of.rotation_rad.map(f64::to_degrees),
+            start_mm: of.start,
+        }
+    }
+}
+
+/// Axes and place of a sensor whose readings the film as ordered explains, as words: what is
+/// otherwise than stated, and what to do.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SensorPlacement {
+    /// Exchanged or reversed axes of the sensor that no rotation explains.
+    pub sensor_axes: SignedAxes,
+    /// Exchanged or reversed axes of the positions.
+    pub stage_axes: SignedAxes,
+    /// The parameters of the scan.
+    pub fitted: FittedScan,
+    /// Standard deviation of the residuals of one component.
+    pub residual_t: f64,
+}
+
+impl SensorPlacement {
+    pub(crate) fn new(fit: &ScanFit) -> SensorPlacement {
+        SensorPlacement {
+            sensor_axes: fit.sensor_axes,
+            stage_axes: fit.stage_axes,
+            fitted: FittedScan::new(&fit.parameters, fit.offset_t()),
+            residual_t: fit.noise_t,
+        }
+    }
+}
+
+impl fmt::Display for SensorPlacement {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let FittedScan { strength, start_mm, rotation_deg, .. } = self.fitted;
+        let residual_ut = 1e6 * self.residual_t;
+        write!(f, "the film as ordered explains the scan to {residual_ut:.1} uT with strength {strength:.3}, ")?;
+        write!(f, "start ({}) mm, rotation ({}) deg", rounded(start_mm, 3), rounded(rotation_deg, 2))?;
+        if [self.sensor_axes, self.stage_axes] == [SignedAxes::SAME; 2] {
+            return f.write_str(": fit them with the errors of tiles");
+        }
+        if self.sensor_axes != SignedAxes::SAME {
+            write!(f, "; axes of the sensor: {}: {}", self.sensor_axes, self.sensor_axes.remedy())?;
+        }
+        if self.stage_axes != SignedAxes::SAME {
+            write!(f, "; axes of the positions: {}: change their columns", self.stage_axes)?;
+        }
+        Ok(())
+    }
+}
+
+/// Three components with this number of decimals; a negative zero has no sign.
+fn rounded(vector: DVec3, decimals: usize) -> String {
+    let scale = 10f64.powi(decimals as i32);
+    let components = vector.to_array().map(|value| format!("{:.decimals$}", (value * scale).round() / scale + 0.0));
+    components.join(", ")
+}
