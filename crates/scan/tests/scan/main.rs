@@ -1,5 +1,6 @@
 //! Tests of the public interface: fits of scans, and faulty tiles.
 
+mod damage;
 mod diagnosis;
 mod fit;
 mod noisy;

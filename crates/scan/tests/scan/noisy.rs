@@ -1,4 +1,4 @@
-//! Readings with noise, for tests and for the example `faulty_tiles`.
+//! Readings with noise, for tests and examples.
 
 use std::f64::consts::TAU;
 

@@ -9,10 +9,10 @@ use magsplice_scan::{
     DiagnosisSettings, Exclusion, FreeParameters, ScanFit, ScanParameter, ScanParameters, SignedAxes, fit_scan,
 };
 use magsplice_sensor::SensedField;
-use rand::seq::index::sample;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
+use crate::damage::{make_wild, truth};
 use crate::diagnosis::{NOISE_T, candidates, film, made_faulty, model, points};
 use crate::noisy::{normal, readings};
 
@@ -28,17 +28,6 @@ fn scanned() -> Scanned {
     let volume = layout.volume.as_ref().expect("a volume");
     let centre = 0.5 * (volume.lower_mm + volume.upper_mm);
     Scanned { scene: Scene::new(&layout.bare_tiles()), points: volume.grid.points().collect(), centre }
-}
-
-/// Random parameters of a scan by hand.
-fn truth(random: &mut ChaCha8Rng) -> ScanParameters {
-    let mut vector = |size: f64| size * DVec3::from([(); 3].map(|()| random.random_range(-1.0..1.0)));
-    ScanParameters {
-        offset_t: vector(5e-5),
-        rotation_rad: vector(0.05),
-        start: vector(0.5),
-        strength: 1.0 + vector(0.1).x,
-    }
 }
 
 impl Scanned {
@@ -63,17 +52,6 @@ fn assert_fitted(fit: &ScanFit, truth: &ScanParameters, what: &str) {
             "{what}: {parameter} is {found} +- {deviation}"
         );
     }
-}
-
-/// Wild values of a bus, a loose wire or a passing tool: any size above the noise.
-fn make_wild(readings_t: &mut [DVec3], count: usize, random: &mut ChaCha8Rng) -> Vec<usize> {
-    let mut indices = sample(random, readings_t.len(), count).into_vec();
-    indices.sort_unstable();
-    for index in &indices {
-        let size_t = 10.0_f64.powf(random.random_range(-4.0..0.0));
-        readings_t[*index][random.random_range(0..3)] += if random.random() { size_t } else { -size_t };
-    }
-    indices
 }
 
 #[test]
