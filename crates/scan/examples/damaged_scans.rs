@@ -3,9 +3,10 @@
 //!
 //!     cargo run --release -p magsplice-scan --example damaged_scans -- layouts/published-film.toml 100
 //!
-//! The arguments are a layout with a working volume, and a number of scans of each kind. A scan is
-//! of a film of another strength, under a turned sensor with an offset, from another start, with 5
-//! uT of noise. It covers the film in steps of 1 mm, 3 mm below it.
+//! The arguments are a layout with a working volume, a number of scans of each kind, and optionally
+//! one kind, such as `Wild`. A scan is of a film of another strength, under a turned sensor with an
+//! offset, from another start, with 5 uT of noise. It covers the film in steps of 1 mm, 3 mm below
+//! it.
 
 use std::f64::consts::PI;
 
@@ -132,7 +133,7 @@ fn is_right(fit: &ScanFit, truth: &ScanParameters, damage: Damage) -> bool {
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [path, scans] = &arguments[..] else { panic!("arguments: LAYOUT SCANS") };
+    let [path, scans, rest @ ..] = &arguments[..] else { panic!("arguments: LAYOUT SCANS [KIND]") };
     let layout = Layout::read(path).unwrap_or_else(|error| panic!("{error}"));
     let scans: u64 = scans.parse().expect("a number of scans");
     let tiles = layout.bare_tiles();
@@ -167,6 +168,9 @@ fn main() {
         Damage::Stage,
         Damage::All,
     ] {
+        if rest.first().is_some_and(|kind| *kind != format!("{damage:?}")) {
+            continue;
+        }
         let [mut fitted, mut refused, mut wrong, mut reported] = [0; 4];
         for seed in 0..scans {
             let mut random = ChaCha8Rng::seed_from_u64(seed);
