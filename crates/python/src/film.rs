@@ -15,6 +15,7 @@ use pyo3::sync::PyOnceLock;
 use crate::exceptions::{failed, of_film, of_layout, one_of};
 use crate::interruption::Interruption;
 use crate::scene::Scene;
+use crate::threads::detached;
 use crate::vectors::{Triple, rows, rows_of, vectors};
 
 /// A layout with its prepared tiles. The class `magsplice.Film` inherits from it.
@@ -195,7 +196,7 @@ impl Film {
         let ideal = self.layout.ideal.ok_or(FilmError::Missing("ideal")).map_err(of_film)?;
         let (py, points) = (points.py(), vectors(&points)?);
         let at = |point: &DVec3| ideal.flux_density_t(*point).unwrap_or(DVec3::NAN);
-        let field_t: Vec<DVec3> = py.detach(|| points.iter().map(at).collect());
+        let field_t: Vec<DVec3> = detached(py, || points.iter().map(at).collect())?;
         Ok(rows_of(py, &field_t))
     }
 }
@@ -232,7 +233,7 @@ impl Film {
     /// A film with the tiles and the material of this film, and other tables.
     pub(crate) fn with_tables(&self, py: Python<'_>, layout: Layout) -> PyResult<magsplice::Film> {
         let recoil = self.evaluated(py)?.recoil().cloned();
-        Ok(py.detach(|| magsplice::Film::with_recoil(layout, recoil)))
+        detached(py, || magsplice::Film::with_recoil(layout, recoil))
     }
 
     /// The layout with the errors of a preset instead of its own. Samples and seed are unchanged.

@@ -9,6 +9,8 @@ use std::time::Duration;
 use magsplice::{Progress, Stage};
 use pyo3::prelude::*;
 
+use crate::threads;
+
 /// Time between two polls for signals.
 const POLL: Duration = Duration::from_millis(50);
 
@@ -58,10 +60,10 @@ impl Interruption {
         work: impl FnOnce() -> T + Send,
         tell: impl Fn() -> PyResult<()>,
     ) -> PyResult<T> {
-        let poller = thread::current();
+        let (pool, poller) = (threads::pool(py)?, thread::current());
         thread::scope(|scope| {
             let worker = scope.spawn(move || {
-                let result = catch_unwind(AssertUnwindSafe(work));
+                let result = catch_unwind(AssertUnwindSafe(|| threads::on(pool.as_deref(), work)));
                 poller.unpark();
                 result
             });

@@ -40,12 +40,16 @@ mod samples;
 mod scene;
 /// Searches for films.
 mod search;
+/// The threads of the library's work, also in forked processes.
+mod threads;
 /// NumPy arrays viewed as vectors.
 mod vectors;
 
 /// The extension module of the package magsplice.
 #[pyo3::pymodule]
 mod _magsplice {
+    use pyo3::prelude::*;
+
     #[pymodule_export]
     use crate::assignment::assign;
     #[pymodule_export]
@@ -72,6 +76,11 @@ mod _magsplice {
     use crate::scene::{Scene, grid_axes};
     #[pymodule_export]
     use crate::search::{design, splice};
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        crate::threads::watch_forks(module)
+    }
 
     /// Version of the library.
     #[pymodule_export]

@@ -9,13 +9,14 @@ use pyo3::types::PyDict;
 use crate::exceptions::{bad_value, of_film};
 use crate::film::Film;
 use crate::results::{WithArrays, dictionary, with_arrays};
+use crate::threads::detached;
 use crate::vectors::{numbers, rows_of};
 
 /// The effect of recoil in the film and in each tile; None without recoil.
 #[pyfunction]
 pub(crate) fn recoil<'py>(py: Python<'py>, film: &Film) -> PyResult<Option<WithArrays<'py>>> {
     let Some(found) = film.evaluated(py)?.recoil() else { return Ok(None) };
-    let changes = py.detach(|| found.tile_changes());
+    let changes = detached(py, || found.tile_changes())?;
     let polarization_t: Vec<_> = changes.iter().map(|change| change.mean_polarization_t).collect();
     let beyond_knee = found.beyond_knee(&film.layout).map(|(_, share)| share);
     let more = [
@@ -31,6 +32,6 @@ pub(crate) fn recoil<'py>(py: Python<'py>, film: &Film) -> PyResult<Option<WithA
 #[pyfunction]
 pub(crate) fn recoil_estimate<'py>(py: Python<'py>, film: &Film, mu_r: f64) -> PyResult<Option<Bound<'py, PyDict>>> {
     let permeability = Permeability::isotropic(mu_r).map_err(bad_value)?;
-    let found = py.detach(|| RecoilEstimate::new(&film.layout, permeability)).map_err(of_film)?;
+    let found = detached(py, || RecoilEstimate::new(&film.layout, permeability))?.map_err(of_film)?;
     found.map(|found| dictionary(py, &found)).transpose()
 }

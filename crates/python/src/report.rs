@@ -9,6 +9,7 @@ use crate::exceptions::{failed, of_film};
 use crate::film::Film;
 use crate::samples::errors_of;
 use crate::scene::{Within, accuracy};
+use crate::threads::detached;
 
 /// A figure: name, caption, SVG, PNG and CSV.
 type Figure<'py> = (&'static str, String, String, Bound<'py, PyBytes>, String);
@@ -30,14 +31,14 @@ pub(crate) fn report<'py>(
         Layout { tolerance: Some(tolerance), ideal: Some(_), volume: Some(_), .. } => {
             let sampling = evaluated.sampling().map_err(of_film)?;
             let errors = errors_of(py, &sampling, tolerance.seed, 0..tolerance.samples, None, &|_| Ok(()))?;
-            let nominal = py.detach(|| sampling.nominal()).map_err(of_film)?;
+            let nominal = detached(py, || sampling.nominal())?.map_err(of_film)?;
             Some(FilmSamples { nominal, errors })
         }
         _ => None,
     };
     let results = PrintedResults { text, json };
     let svg = if outlines { SvgText::Outlines } else { SvgText::Text };
-    let report = py.detach(|| Report::new(&evaluated, samples, results, svg));
+    let report = detached(py, || Report::new(&evaluated, samples, results, svg))?;
     let Report { figures, html, absent, .. } = report.map_err(failed)?;
     let figures = figures.into_iter().map(|f| (f.name, f.caption, f.svg, PyBytes::new(py, &f.png), f.csv));
     Ok((figures.collect(), html, absent))
@@ -46,16 +47,16 @@ pub(crate) fn report<'py>(
 /// The page with the tiles alone: their picture, and a rotatable view.
 #[pyfunction]
 pub(crate) fn view(py: Python<'_>, film: &Film) -> PyResult<String> {
-    py.detach(|| {
+    detached(py, || {
         let layout = Layout { volume: None, ideal: None, tolerance: None, sensor: None, ..Layout::clone(&film.layout) };
         let film = magsplice::Film::rigid(layout);
         let results = PrintedResults { text: "", json: "{}" };
         Report::new(&film, None, results, SvgText::Outlines).map(|report| report.html).map_err(failed)
-    })
+    })?
 }
 
 /// The tiles from above as SVG, with text as outlines.
 #[pyfunction]
 pub(crate) fn layout_svg(py: Python<'_>, film: &Film) -> PyResult<String> {
-    py.detach(|| layout_figure(&film.layout, SvgText::Outlines).map(|figure| figure.svg).map_err(failed))
+    detached(py, || layout_figure(&film.layout, SvgText::Outlines).map(|figure| figure.svg).map_err(failed))?
 }

@@ -14,6 +14,7 @@ use pyo3::types::PyDict;
 use crate::exceptions::{failed, of_film};
 use crate::film::Film;
 use crate::results::dictionary;
+use crate::threads::{self, detached, on};
 use crate::vectors::rows;
 
 /// The figures of samples `first` to `first + count` of films as made, on `threads` threads.
@@ -39,7 +40,8 @@ pub(crate) fn samples<'py>(
     rows(py, found.iter().map(numbers_of))
 }
 
-/// The errors of samples of a film. Signals are polled between stretches.
+/// The errors of samples of a film, on the threads of `pool` or of the process. Signals are polled
+/// between stretches.
 pub(crate) fn errors_of(
     py: Python<'_>,
     sampling: &FilmSampling,
@@ -48,14 +50,13 @@ pub(crate) fn errors_of(
     pool: Option<&rayon::ThreadPool>,
     tell: &dyn Fn(u64) -> PyResult<()>,
 ) -> PyResult<Vec<Figures>> {
-    let sampler = py.detach(|| sampling.sampler(seed)).map_err(of_film)?;
-    let threads = pool.map_or_else(rayon::current_num_threads, rayon::ThreadPool::current_num_threads);
+    let of_process = threads::pool(py)?;
+    let pool = pool.or(of_process.as_deref());
+    let sampler = py.detach(|| on(pool, || sampling.sampler(seed))).map_err(of_film)?;
+    let threads = on(pool, rayon::current_num_threads);
     let mut found = Vec::new();
     let evaluate = |part: Range<u64>| {
-        let errors = py.detach(|| match pool {
-            Some(pool) => pool.install(|| sampler.errors_of_range(part, || {})),
-            None => sampler.errors_of_range(part, || {}),
-        });
+        let errors = py.detach(|| on(pool, || sampler.errors_of_range(part, || {})));
         errors.map_err(|(sample, error)| of_film(FilmError::Sample { sample, error }))
     };
     in_stretches(range, threads, evaluate, |stretch| {
@@ -81,7 +82,7 @@ pub(crate) fn sampled<'py>(
     let errors: Vec<Figures> = errors.as_slice()?.as_chunks().0.iter().map(figures_of).collect();
     let run =
         SampleRun { film: film.layout().sample_fingerprint(&None::<Sorting>), seed, first, count: errors.len() as u64 };
-    let found = py.detach(|| film.sampling()?.statistics(run, None, &errors)).map_err(of_film)?;
+    let found = detached(py, || film.sampling()?.statistics(run, None, &errors))?.map_err(of_film)?;
     dictionary(py, &found)
 }
 
@@ -104,6 +105,6 @@ pub(crate) fn statistics<'py>(
     values: PyReadonlyArray1<'py, f64>,
 ) -> PyResult<Option<Bound<'py, PyDict>>> {
     let values = values.as_slice()?;
-    let found = py.detach(|| Statistics::new(values.iter().copied()));
+    let found = detached(py, || Statistics::new(values.iter().copied()))?;
     found.map(|statistics| dictionary(py, &statistics)).transpose()
 }

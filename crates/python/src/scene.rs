@@ -11,6 +11,7 @@ use pyo3::prelude::*;
 
 use crate::exceptions::{bad_value, of_points};
 use crate::interruption::Interruption;
+use crate::threads::detached;
 use crate::vectors::{Triple, numbers, vectors, written_gradients, written_rows};
 
 /// Number of pairs of tile and point between two polls for signals: about a tenth of a second.
@@ -140,7 +141,7 @@ impl Scene {
         points: PyReadonlyArray2<'py, f64>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let points = vectors(&points)?;
-        Ok(numbers(py, py.detach(|| self.exact.error_bounds_t(points))))
+        Ok(numbers(py, detached(py, || self.exact.error_bounds_t(points))?))
     }
 }
 
@@ -216,7 +217,7 @@ fn in_stretches<T: Send>(
     let mut faults = Vec::new();
     let mut begin = 0;
     for (points, values) in points.chunks(stretch).zip(values.chunks_mut(stretch)) {
-        if let Err(errors) = py.detach(|| evaluate(points, values)) {
+        if let Err(errors) = detached(py, || evaluate(points, values))? {
             faults.extend(errors.0.into_iter().map(|error| PointError { index: begin + error.index, ..error }));
         }
         begin += points.len();

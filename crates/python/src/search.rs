@@ -12,6 +12,7 @@ use crate::exceptions::{failed, one_of};
 use crate::film::Film;
 use crate::interruption::Interruption;
 use crate::results::dictionary;
+use crate::threads::detached;
 
 /// Name and version in the history of layouts.
 const PROGRAM: &str = concat!("magsplice ", env!("CARGO_PKG_VERSION"), " design");
@@ -26,14 +27,13 @@ pub(crate) fn design<'py>(
     progress: Option<Bound<'py, PyAny>>,
 ) -> PyResult<(Bound<'py, PyDict>, String)> {
     let layout = &film.layout;
-    let problem = py
-        .detach(|| match (least_amplitude, &layout.brief) {
-            (Some(least), Some(brief)) => {
-                DesignProblem::from_brief(layout, Brief { least_amplitude: Some(least), ..brief.clone() })
-            }
-            _ => DesignProblem::new(layout),
-        })
-        .map_err(failed)?;
+    let problem = detached(py, || match (least_amplitude, &layout.brief) {
+        (Some(least), Some(brief)) => {
+            DesignProblem::from_brief(layout, Brief { least_amplitude: Some(least), ..brief.clone() })
+        }
+        _ => DesignProblem::new(layout),
+    })?
+    .map_err(failed)?;
     let (interruption, last) = (Interruption::default(), Mutex::new(None));
     let search = || {
         problem.search(&|update| {
