@@ -10,8 +10,6 @@
 mod args;
 /// Tables of numbers: their lines, columns and units.
 mod csv_input;
-/// Decimal numbers with a unit.
-mod decimal;
 /// Reasons why the program stops, and how it tells them.
 mod failure;
 /// Lists of faulty lines and points.

@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use magsplice::layout::FLUX_DENSITY_UNITS;
 use magsplice::magnet::MU_0;
 
 /// A unit, and how a value in it becomes one in the unit that the program computes in.
@@ -28,9 +29,8 @@ const fn units<const N: usize>(names: [(&'static str, i32); N], factor: f64) -> 
 /// Lengths in millimetres. Each unit stands before those that its name ends in.
 pub(crate) const LENGTHS: [Unit; 6] = units([("mm", 0), ("cm", 1), ("um", -3), ("µm", -3), ("μm", -3), ("m", 3)], 1.0);
 
-/// Flux densities and polarizations in tesla, in the same order.
-pub(crate) const FLUX_DENSITIES: [Unit; 6] =
-    units([("mT", -3), ("uT", -6), ("µT", -6), ("μT", -6), ("nT", -9), ("T", 0)], 1.0);
+/// Flux densities and polarizations in tesla.
+pub(crate) const FLUX_DENSITIES: [Unit; 6] = units(FLUX_DENSITY_UNITS, 1.0);
 
 const DEGREES: Unit = Unit { name: "deg", exponent: 0, factor: 1.0 };
 

@@ -30,8 +30,12 @@
 // Rules are written as `!(x > limit)` so that NaN breaks them.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
+/// Tolerances of a field as people write them.
+mod accuracy;
 /// `[design]`: what a search may change, and its goal.
 mod brief;
+/// Decimal numbers with a unit.
+pub mod decimal;
 /// `[elastomer]`: the elastic layer between film and sensor.
 mod elastomer;
 /// Errors of reading a layout.
@@ -89,6 +93,7 @@ mod volume;
 /// Values that a file has in another form than memory.
 mod written_as;
 
+pub use accuracy::{FLUX_DENSITY_UNITS, relative_tolerance, tolerance_of_text};
 pub use brief::{Brief, Goal, MinMax, Outline, StockPart, Symmetry, Under, Variable};
 pub use elastomer::Elastomer;
 pub use error::{LayoutError, LayoutFault};

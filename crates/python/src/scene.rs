@@ -4,6 +4,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use glam::{DMat3, DQuat, DVec3};
 use magsplice::field::Scene as Tiles;
+use magsplice::layout::{relative_tolerance, tolerance_of_text};
 use magsplice::magnet::{Accuracy, Grid, PointError, PointErrors, Quantity, Tile, Tolerance};
 use numpy::{PyArray1, PyArray2, PyArray3, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
@@ -23,8 +24,19 @@ const STRETCH_POINTS: [usize; 2] = [1 << 12, 1 << 16];
 /// stretch as a whole, so short stretches would be slow.
 const STRETCH_POINTS_WITHIN: usize = 1 << 20;
 
-/// A tolerance from Python: whether it is a fraction of |B|, and the number.
-pub(crate) type Within = Option<(bool, f64)>;
+/// A tolerance from Python.
+#[derive(FromPyObject)]
+pub(crate) enum Requested {
+    /// A fraction of |B|.
+    Fraction(f64),
+    /// A text, such as `10nT`.
+    Text(String),
+    /// An error in tesla.
+    Tesla((f64,)),
+}
+
+/// A tolerance from Python; `None` for the exact field.
+pub(crate) type Within = Option<Requested>;
 
 /// Points without a field: an exception that is not raised.
 pub(crate) type Faults = Option<PyErr>;
@@ -181,10 +193,13 @@ pub(crate) fn grid_axes<'py>(
 pub(crate) fn accuracy(within: Within) -> PyResult<Accuracy> {
     let tolerance = match within {
         None => return Ok(Accuracy::Exact),
-        Some((true, fraction)) => Tolerance::relative(fraction),
-        Some((false, error_t)) => Tolerance::absolute_t(error_t),
+        Some(Requested::Fraction(fraction)) => relative_tolerance(fraction).map_err(|rule| ("within", rule)),
+        Some(Requested::Text(text)) => tolerance_of_text(&text).map_err(|rule| ("within", format!("{text:?} {rule}"))),
+        Some(Requested::Tesla((error_t,))) => {
+            Tolerance::absolute_t(error_t).map_err(|rule| ("within_t", rule.to_string()))
+        }
     };
-    tolerance.map(Accuracy::Within).map_err(bad_value)
+    tolerance.map(Accuracy::Within).map_err(|(name, rule)| bad_value(format_args!("{name}: {rule}")))
 }
 
 /// The field at points, in stretches with polls for signals between them.

@@ -1,5 +1,7 @@
 """Arguments that break rules, and results at the ends of their ranges."""
 
+import re
+
 import numpy as np
 import polars
 import pytest
@@ -158,3 +160,36 @@ def test_sources_that_are_no_cuboids_are_named():
             magsplice.getB(source, (0, 0, 0.1))
     with pytest.raises(ValueError, match="starts = -1, must be at least 1"):
         magsplice.splice(10, (20, 20), starts=-1)
+
+
+def test_tolerances_are_those_of_the_program(published):
+    grid = Grid((-1, -1, -4), (1, 1, -3), (5, 5, 3))
+    exact = published.b(grid)
+    for within in ("10nT", "0.01 uT", "1e-5mT"):
+        assert np.array_equal(published.b(grid, within=within), published.b(grid, within_t=1e-8))
+    assert np.array_equal(published.b(grid, within="1e-6"), published.b(grid, within=1e-6))
+    assert (np.linalg.norm(published.b(grid, within="10nT") - exact, axis=-1) <= 1e-8).all()
+    rules = {
+        5: "5 is 500 % of |B|, must be a fraction below 0.1; a field has a unit, as in 5nT",
+        0.1: "0.1 is 10 % of |B|",
+        "5%": "a fraction of |B| is written without a unit: 0.05",
+        "1mm": "has the unit mm, must be a flux density in mT",
+        "x": "must be a number",
+        0: "must be a finite number above zero",
+        np.inf: "must be a finite number above zero",
+        np.nan: "must be a finite number above zero",
+    }
+    calls = [
+        lambda within: published.b(grid, within=within),
+        lambda within: published.h([0, 0, -4], within=within),
+        lambda within: published.compare(within=within),
+        lambda within: published.decouple(within=within),
+        lambda within: published.report(within=within),
+        lambda within: magsplice.getB(published, (0, 0, -0.004), within=within),
+    ]
+    for within, rule in rules.items():
+        for call in calls:
+            with pytest.raises(ValueError, match=rf"within: .*{re.escape(rule)}"):
+                call(within)
+    with pytest.raises(ValueError, match=r"within_t: .* must be a finite number above zero"):
+        published.b(grid, within_t=-1)

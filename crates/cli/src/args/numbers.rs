@@ -4,7 +4,8 @@ use std::fmt::Display;
 use std::ops::RangeInclusive;
 use std::str::FromStr;
 
-use crate::decimal;
+use magsplice::layout::decimal::{self, with_unit};
+
 use crate::units::{self, ANGLES, FLUX_DENSITIES, LENGTHS, Unit, in_rad};
 
 /// What an option takes.
@@ -21,17 +22,16 @@ struct Kind {
 const LENGTH: Kind = Kind { name: "a length", units: &LENGTHS, default: "mm", bare: "in mm" };
 const FLUX_DENSITY: Kind = Kind { name: "a flux density", units: &FLUX_DENSITIES, default: "T", bare: "in T" };
 const ANGLE: Kind = Kind { name: "an angle", units: &ANGLES, default: "deg", bare: "in degrees" };
-const TOLERANCE: Kind = Kind { bare: "a fraction of |B|, below 0.1", ..FLUX_DENSITY };
 
 /// A length in mm.
 pub(crate) fn length_mm(text: &str) -> Result<f64, String> {
-    let (number, unit) = split(text);
+    let (number, unit) = with_unit(text);
     LENGTH.value(number, unit)
 }
 
 /// An angle in radians.
 pub(crate) fn angle_rad(text: &str) -> Result<f64, String> {
-    let (number, unit) = split(text);
+    let (number, unit) = with_unit(text);
     ANGLE.value(number, unit).map(in_rad)
 }
 
@@ -56,14 +56,8 @@ pub(crate) fn positive(text: &str) -> Result<f64, String> {
 
 /// A flux density or polarization in T.
 pub(crate) fn flux_density_t(text: &str) -> Result<f64, String> {
-    let (number, unit) = split(text);
+    let (number, unit) = with_unit(text);
     FLUX_DENSITY.value(number, unit)
-}
-
-/// A flux density in T, or `None` for a number without a unit, which is a fraction.
-pub(crate) fn flux_density_or_fraction_t(text: &str) -> Result<Option<f64>, String> {
-    let (number, unit) = split(text);
-    if unit.is_empty() { Ok(None) } else { TOLERANCE.value(number, unit).map(Some) }
 }
 
 /// Two lengths in mm with an x between them.
@@ -80,7 +74,7 @@ pub(crate) fn interval_mm(text: &str) -> Result<[f64; 2], String> {
 /// The lengths of two parts. A unit at the end holds for both.
 fn lengths_mm(parts: Option<(&str, &str)>, between: &str, rule: &str) -> Result<[f64; 2], String> {
     let (first, second) = parts.ok_or_else(|| rule.to_owned())?;
-    let ((first, first_unit), (second, second_unit)) = (split(first), split(second));
+    let ((first, first_unit), (second, second_unit)) = (with_unit(first), with_unit(second));
     let is_number = |text: &str| decimal::scaled(text, 0).is_some();
     if !is_number(first) || !is_number(second) {
         return Err(rule.to_owned());
@@ -92,12 +86,6 @@ fn lengths_mm(parts: Option<(&str, &str)>, between: &str, rule: &str) -> Result<
     }
     let first_unit = if first_unit.is_empty() { second_unit } else { first_unit };
     Ok([LENGTH.value(first, first_unit)?, LENGTH.value(second, second_unit)?])
-}
-
-/// The number at the beginning of a text, and the unit behind it, which may be empty.
-fn split(text: &str) -> (&str, &str) {
-    let end = text.rfind(|c: char| c.is_ascii_digit() || c == '.').map_or(text.len(), |last| last + 1);
-    (text[..end].trim(), text[end..].trim())
 }
 
 impl Kind {
@@ -129,8 +117,6 @@ mod tests {
         for text in ["1e-7", "0.1uT", "0.1µT", "0.1μT", "100nT", "1e-4mT", "1E-7 T"] {
             assert_eq!(flux_density_t(text), Ok(1e-7), "{text}");
         }
-        assert_eq!(flux_density_or_fraction_t("1e-6"), Ok(None));
-        assert_eq!(flux_density_or_fraction_t("2.5uT"), Ok(Some(2.5e-6)));
     }
 
     #[test]

@@ -9,11 +9,11 @@ use std::io::{self, BufRead, BufReader, Cursor, IsTerminal, Read};
 use std::path::Path;
 
 use csv::StringRecord;
+use magsplice::layout::decimal;
 
 use super::content_lines::LineNumbers;
 use super::limited_lines::{LimitedLines, read_error, shown};
 use super::separator::{Separator, other_than};
-use crate::decimal;
 
 /// An open table.
 pub(crate) struct CsvTable {

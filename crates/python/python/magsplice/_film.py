@@ -255,7 +255,7 @@ class Film(_magsplice.Film):
         self,
         points: ArrayLike | Grid,
         *,
-        within: float | None = None,
+        within: float | str | None = None,
         within_t: float | None = None,
         invalid: Invalid = "raise",
     ) -> Floats:
@@ -265,9 +265,9 @@ class Film(_magsplice.Film):
         ----------
         points : array_like of shape (..., 3), or Grid
             Points in millimetres. An array of contiguous doubles is not copied.
-        within : float, optional
-            Accepted length of the error as a fraction of |B| at each point, such as 1e-6. Default:
-            exact.
+        within : float or str, optional
+            Accepted length of the error: a fraction of |B| at each point below 0.1, such as 1e-6,
+            or a flux density with a unit (T, mT, uT, nT), such as ``"10nT"``. Default: exact.
         within_t : float, optional
             Accepted length of the error in tesla. Excludes `within`.
         invalid : {"raise", "nan"}
@@ -284,7 +284,7 @@ class Film(_magsplice.Film):
         PointsError
             If points have no field, or cannot keep the tolerance.
         ValueError
-            If the points have another shape.
+            If the points have another shape, or the tolerance is out of range.
 
         Notes
         -----
@@ -298,7 +298,7 @@ class Film(_magsplice.Film):
         self,
         points: ArrayLike | Grid,
         *,
-        within: float | None = None,
+        within: float | str | None = None,
         within_t: float | None = None,
         invalid: Invalid = "raise",
     ) -> Floats:
@@ -366,7 +366,7 @@ class Film(_magsplice.Film):
         self,
         grid: Grid | None = None,
         *,
-        within: float | None = None,
+        within: float | str | None = None,
         within_t: float | None = None,
     ) -> xarray.Dataset:
         """B on a grid as an xarray dataset with the dimensions x, y, z and component.
@@ -377,7 +377,7 @@ class Film(_magsplice.Film):
         ----------
         grid : Grid, optional
             Default: the grid of the working volume.
-        within, within_t : float, optional
+        within, within_t : optional
             Tolerance of the field; see `b`.
         """
         import xarray
@@ -403,7 +403,7 @@ class Film(_magsplice.Film):
         self,
         quantity: Literal["b", "h", "j"],
         points: ArrayLike | Grid,
-        within: float | None,
+        within: float | str | None,
         within_t: float | None,
         invalid: Invalid,
     ) -> Floats:
@@ -426,7 +426,7 @@ class Film(_magsplice.Film):
         self,
         points: ArrayLike | None = None,
         *,
-        within: float | None = None,
+        within: float | str | None = None,
         within_t: float | None = None,
     ) -> Comparison:
         """Comparison of B with B of the ideal film (Dai 2024, Eq. 2).
@@ -435,7 +435,7 @@ class Film(_magsplice.Film):
         ----------
         points : array_like of shape (..., 3), optional
             Points below the film, in millimetres. Default: the grid of the working volume.
-        within, within_t : float, optional
+        within, within_t : optional
             Tolerance of the field; see `b`.
 
         Raises
@@ -450,7 +450,7 @@ class Film(_magsplice.Film):
         self,
         points: ArrayLike | None = None,
         *,
-        within: float | None = None,
+        within: float | str | None = None,
         within_t: float | None = None,
     ) -> Decoupling:
         """Decoupling parameters R_x, R_y, S_z and their errors (Dai 2024, Eqs. 13 to 15).
@@ -460,7 +460,7 @@ class Film(_magsplice.Film):
         points : array_like of shape (..., 3), optional
             Points in millimetres. Default: the grid of the working volume. A uniformity RMSE needs
             the grid.
-        within, within_t : float, optional
+        within, within_t : optional
             See `b`.
 
         Raises
@@ -951,14 +951,14 @@ class Film(_magsplice.Film):
             return front_of(least_amplitudes, [search() for search in searches])
         return front_of(least_amplitudes, _cluster.gathered(client, searches))
 
-    def report(self, *, outlines: bool = False, within: float | None = None) -> Report:
+    def report(self, *, outlines: bool = False, within: float | str | None = None) -> Report:
         """Figures of the film and one HTML page, as in ``magsplice report``.
 
         Parameters
         ----------
         outlines : bool
             Whether text of SVG files becomes outlines, which look the same on every machine.
-        within : float, optional
+        within : float or str, optional
             Tolerance of the field of the working volume; see `b`.
 
         Returns
@@ -973,7 +973,7 @@ class Film(_magsplice.Film):
             numbers = json.dumps(
                 {"comparison": comparison.to_dict(), "decoupling": decoupling.to_dict()}
             )
-        accepted = tolerance_of(within, None)
+        accepted = tolerance_of(within)
         return Report(*_magsplice.report(self, text, numbers, outlines, accepted))
 
     def view(self, height_px: int = VIEW_PX) -> Page:

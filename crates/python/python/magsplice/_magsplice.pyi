@@ -40,7 +40,8 @@ __version__: str
 
 _Floats = NDArray[np.float64]
 _Vector = tuple[float, float, float]
-_Within = tuple[bool, float] | None
+#: A fraction, a text, or an error in tesla.
+_Within = float | str | tuple[float] | None
 _Quantity = Literal["b", "h", "j"]
 #: Keys of JSON with their values.
 _Result = dict[str, Any]

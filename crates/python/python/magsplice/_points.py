@@ -10,14 +10,17 @@ from numpy.typing import ArrayLike, NDArray
 
 from magsplice._layout import Floats, Grid
 
+#: A tolerance: a fraction of |B|, a text such as ``"10nT"``, or a number of tesla.
+Tolerance = float | str | tuple[float]
 
-def tolerance_of(within: float | None, within_t: float | None) -> tuple[bool, float] | None:
-    """Whether a tolerance is a fraction, and its value; None without one."""
+
+def tolerance_of(within: float | str | None, within_t: float | None = None) -> Tolerance | None:
+    """Tolerance of two arguments; None without one."""
     if within is not None and within_t is not None:
         raise ValueError("within and within_t are both given; give one of them")
-    if within is not None:
-        return (True, float(within))
-    return None if within_t is None else (False, float(within_t))
+    if within_t is not None:
+        return (float(within_t),)
+    return within if within is None or isinstance(within, str) else float(within)
 
 
 def flattened(points: ArrayLike | Grid) -> tuple[Floats, tuple[int, ...]]:

@@ -14,6 +14,7 @@ from magsplice import _magsplice
 from magsplice._layout import Floats
 from magsplice._magpylib.cuboids import MILLI, Track, cuboids_of, label_of, shifted
 from magsplice._magpylib.observers import Sensor, sensors_of
+from magsplice._points import tolerance_of
 
 if TYPE_CHECKING:
     import pandas
@@ -54,7 +55,7 @@ def _field(
     output: Literal["ndarray", "dataframe"] = "ndarray",
     in_out: str = "auto",
     *,
-    within: float | None = None,
+    within: float | str | None = None,
 ) -> Floats | pandas.DataFrame:
     if output not in ("ndarray", "dataframe"):
         raise ValueError(f'output = {output!r}, must be "ndarray" or "dataframe"')
@@ -99,7 +100,7 @@ def _along_path(
     source: _Source,
     points: Floats,
     still: bool,
-    within: float | None,
+    within: float | str | None,
 ) -> Floats:
     """Field of one source at points of shape (steps, pixels, 3)."""
     steps = len(points)
@@ -118,12 +119,11 @@ def _of_cuboids(
     quantity: Quantity,
     arrays: Sequence[Floats],
     points: Floats,
-    within: float | None,
+    within: float | str | None,
 ) -> Floats:
     """Field of cuboids, with B = 0 of each cuboid on its own edges."""
-    tolerance = None if within is None else (True, float(within))
     points = np.ascontiguousarray(points)
-    field, error = _magsplice.Scene(*arrays).field(quantity, points, tolerance)
+    field, error = _magsplice.Scene(*arrays).field(quantity, points, tolerance_of(within))
     unknown = np.isnan(field[:, 0])
     if error is None:
         return field
@@ -204,8 +204,9 @@ output : {"ndarray", "dataframe"}
     Kind of result.
 in_out : str
     Accepted as in magpylib, without effect for cuboids.
-within : float, optional
-    Accepted length of the error as a fraction of |B|. Default: exact.
+within : float or str, optional
+    Accepted length of the error: a fraction of |B| below 0.1, or a flux density with a unit, such
+    as ``"10nT"``. Default: exact.
 
 Returns
 -------

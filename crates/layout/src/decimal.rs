@@ -2,7 +2,7 @@
 
 /// The number in `text` times a power of ten, rounded once: 3.3 with the exponent -3 is the number
 /// that 0.0033 is. `None` for anything but a finite number.
-pub(crate) fn scaled(text: &str, exponent: i32) -> Option<f64> {
+pub fn scaled(text: &str, exponent: i32) -> Option<f64> {
     let value = if exponent == 0 {
         text.parse::<f64>().ok()?
     } else {
@@ -15,6 +15,12 @@ pub(crate) fn scaled(text: &str, exponent: i32) -> Option<f64> {
         format!("{digits}e{}", own.saturating_add(exponent)).parse::<f64>().ok()?
     };
     value.is_finite().then_some(value)
+}
+
+/// The number at the beginning of a text, and the unit behind it, which may be empty.
+pub fn with_unit(text: &str) -> (&str, &str) {
+    let end = text.rfind(|c: char| c.is_ascii_digit() || c == '.').map_or(text.len(), |last| last + 1);
+    (text[..end].trim(), text[end..].trim())
 }
 
 #[cfg(test)]
