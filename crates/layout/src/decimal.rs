@@ -1,5 +1,7 @@
 //! Decimal numbers with a unit, converted by moving the decimal point of their text.
 
+use glam::DVec3;
+
 /// The number in `text` times a power of ten, rounded once: 3.3 with the exponent -3 is the number
 /// that 0.0033 is. `None` for anything but a finite number.
 pub fn scaled(text: &str, exponent: i32) -> Option<f64> {
@@ -15,6 +17,30 @@ pub fn scaled(text: &str, exponent: i32) -> Option<f64> {
         format!("{digits}e{}", own.saturating_add(exponent)).parse::<f64>().ok()?
     };
     value.is_finite().then_some(value)
+}
+
+/// Powers of ten that are exact in binary, of the last digits of coordinates: 15 digits of numbers
+/// below 1, and of numbers below 1000.
+const LAST_DIGITS: [i32; 2] = [15, 12];
+
+/// The number with the shortest digits of `value` and its decimal point moved by `exponent` places:
+/// 0.0033 with the exponent 3 is 3.3, which 0.0033 times 1000 is not. Numbers that are not finite
+/// are unchanged.
+pub fn shifted(value: f64, exponent: i32) -> f64 {
+    // A number of up to 15 digits is the quotient of two whole numbers that are exact in binary, so
+    // one division rounds it. This takes a tenth of the time of its text.
+    for last in LAST_DIGITS {
+        let whole = (value * 10f64.powi(last)).round();
+        if whole.abs() < 1e15 && whole / 10f64.powi(last) == value && (0..=15).contains(&(last - exponent)) {
+            return whole / 10f64.powi(last - exponent);
+        }
+    }
+    scaled(&format!("{value:e}"), exponent).unwrap_or(value)
+}
+
+/// A vector with the decimal points of its components moved, see [`shifted`].
+pub fn shifted_vector(vector: DVec3, exponent: i32) -> DVec3 {
+    vector.to_array().map(|value| shifted(value, exponent)).into()
 }
 
 /// The number at the beginning of a text, and the unit behind it, which may be empty.
@@ -34,6 +60,26 @@ mod tests {
         assert_eq!(scaled("-1.7E-3", 3), Some(-1.7));
         assert_eq!(scaled("+.1", -6), Some(1e-7));
         assert_eq!(scaled("7.", 0), Some(7.0));
+    }
+
+    #[test]
+    fn moved_points_keep_all_digits() {
+        assert_ne!(0.0011 * 1e3, 1.1);
+        for text in ["0", "0.0011", "-0.07", "0.57", "1.23456789012345e-3", "999.999999999999", "5e-324", "1e300"] {
+            let value: f64 = text.parse().unwrap();
+            for exponent in [3, -3] {
+                assert_eq!(shifted(value, exponent), scaled(text, exponent).unwrap(), "{text} by {exponent}");
+            }
+        }
+        // Seventeen digits, and the last ones of a sum.
+        for value in [0.1 + 0.2, 1.0 / 3.0, -2e3 / 7.0, 0.57 + 4e-16] {
+            assert_eq!(Some(shifted(value, 3)), scaled(&value.to_string(), 3));
+        }
+        for index in 0..10_000 {
+            let value = f64::from(index) * 1e-5;
+            assert_eq!(Some(shifted(value, 3)), scaled(&value.to_string(), 3));
+        }
+        assert!(shifted(f64::NAN, 3).is_nan() && shifted(f64::INFINITY, 3) == f64::INFINITY);
     }
 
     #[test]

@@ -77,6 +77,9 @@ mod _magsplice {
     #[pymodule_export]
     use crate::search::{design, splice};
 
+    #[pymodule_export]
+    use crate::vectors::shifted;
+
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         crate::threads::watch_forks(module)

@@ -13,7 +13,7 @@ use pyo3::prelude::*;
 use crate::exceptions::{bad_value, of_points};
 use crate::interruption::Interruption;
 use crate::threads::detached;
-use crate::vectors::{Triple, numbers, vectors, written_gradients, written_rows};
+use crate::vectors::{Triple, in_mm, numbers, points_in_mm, vectors, written_gradients, written_rows};
 
 /// Number of pairs of tile and point between two polls for signals: about a tenth of a second.
 const STRETCH_PAIRS: usize = 1 << 24;
@@ -41,23 +41,27 @@ pub(crate) type Within = Option<Requested>;
 /// Points without a field: an exception that is not raised.
 pub(crate) type Faults = Option<PyErr>;
 
-/// Tiles prepared for evaluation. Lengths are in any one unit.
+/// Tiles prepared for evaluation, in millimetres.
 #[pyclass(frozen, module = "magsplice._magsplice")]
 pub(crate) struct Scene {
     exact: Tiles,
+    /// Whether the points of calls are in metres.
+    is_in_metres: bool,
     /// The scene of the last tolerance, with its tree.
     within: Mutex<Option<Arc<Tiles>>>,
 }
 
 impl From<Tiles> for Scene {
     fn from(exact: Tiles) -> Scene {
-        Scene { exact, within: Mutex::new(None) }
+        Scene { exact, is_in_metres: false, within: Mutex::new(None) }
     }
 }
 
 #[pymethods]
 impl Scene {
-    /// Tiles from arrays of shape (n, 3), and quaternions (x, y, z, w) of shape (n, 4).
+    /// Tiles from arrays of shape (n, 3), and quaternions (x, y, z, w) of shape (n, 4). Positions,
+    /// sizes, and the points of calls are in metres. They are evaluated in millimetres, because in
+    /// metres few lengths of tiles are exact: 0.57 is not 0.56 + 0.01.
     #[new]
     fn new(
         position: PyReadonlyArray2<'_, f64>,
@@ -73,12 +77,13 @@ impl Scene {
         }
         let tile = |index: usize| {
             let turn = DQuat::from_array(rotation[index]);
-            let tile = Tile::new(position[index], size[index], polarization_t[index])
+            let [position, size] = [position, size].map(|of| in_mm(of[index]));
+            let tile = Tile::new(position, size, polarization_t[index])
                 .and_then(|tile| if turn == DQuat::IDENTITY { Ok(tile) } else { tile.rotated(turn) });
             tile.map_err(|faults| bad_value(format_args!("tile {index}: {faults}")))
         };
         let tiles: Vec<Tile> = (0..count).map(tile).collect::<PyResult<_>>()?;
-        Ok(Scene::from(Tiles::new(&tiles)))
+        Ok(Scene { is_in_metres: true, ..Scene::from(Tiles::new(&tiles)) })
     }
 
     /// Number of tiles.
@@ -98,7 +103,7 @@ impl Scene {
     ) -> PyResult<(Bound<'py, PyArray2<f64>>, Faults)> {
         let (quantity, points) = (quantity_named(quantity)?, vectors(&points)?);
         let scene = self.within(within)?;
-        written_rows(py, points.len(), |field| field_into(py, &scene, quantity, points, field))
+        written_rows(py, points.len(), |field| field_into(py, &scene, quantity, points, self.is_in_metres, field))
     }
 
     /// The field on a grid, z fastest, in the form of `field`.
@@ -118,7 +123,7 @@ impl Scene {
         written_rows(py, grid.len(), |field| match scene.accuracy() {
             Accuracy::Exact => {
                 let points: Vec<DVec3> = py.detach(|| grid.points().collect());
-                field_into(py, &scene, quantity, &points, field)
+                field_into(py, &scene, quantity, &points, false, field)
             }
             // The models are chosen for the grid as a whole.
             Accuracy::Within(_) => {
@@ -202,19 +207,29 @@ pub(crate) fn accuracy(within: Within) -> PyResult<Accuracy> {
     tolerance.map(Accuracy::Within).map_err(|(name, rule)| bad_value(format_args!("{name}: {rule}")))
 }
 
-/// The field at points, in stretches with polls for signals between them.
+/// The field at points, in stretches with polls for signals between them. `in_metres` is
+/// whether the points are in metres.
 pub(crate) fn field_into(
     py: Python<'_>,
     scene: &Tiles,
     quantity: Quantity,
     points: &[DVec3],
+    in_metres: bool,
     field: &mut [DVec3],
 ) -> PyResult<Faults> {
     let stretch = match scene.accuracy() {
         Accuracy::Exact => exact_stretch(scene),
         Accuracy::Within(_) => STRETCH_POINTS_WITHIN,
     };
-    in_stretches(py, points, field, stretch, |points, field| scene.field_into(quantity, points, field))
+    in_stretches(py, points, field, stretch, |points, field| {
+        if !in_metres {
+            return scene.field_into(quantity, points, field);
+        }
+        let as_called = |error: PointError| PointError { point: points[error.index], ..error };
+        scene
+            .field_into(quantity, &points_in_mm(points), field)
+            .map_err(|errors| PointErrors(errors.0.into_iter().map(as_called).collect()))
+    })
 }
 
 fn exact_stretch(scene: &Tiles) -> usize {

@@ -171,6 +171,34 @@ def test_a_cuboid_counts_nothing_on_its_own_edges():
         getB(sources, [(np.nan, 0, 0)])
 
 
+def cubes_in_a_row():
+    """Cubes at multiples of 0.01 m, their edges parallel to z, and their upper faces."""
+    for index in range(-20, 21):
+        cube = Cuboid(
+            dimension=(0.01,) * 3, polarization=(0.1, 0.2, 0.3), position=(0.01 * index, 0, 0)
+        )
+        film = from_magpylib(cube)
+        x_mm = film.tiles.position_mm[0, 0]
+        heights_mm = np.array([-4.0, -2.0, 0.0, 1.0, 3.0])
+        edges_mm = np.stack(np.broadcast_arrays(x_mm + 5, 5, heights_mm), axis=-1)
+        yield cube, film, edges_mm, edges_mm - (0, 2, 0)
+
+
+def test_edges_and_faces_in_metres_are_where_they_are_in_millimetres():
+    for cube, film, edges_mm, faces_mm in cubes_in_a_row():
+        edges = [[float(f"{x}e-3") for x in point] for point in edges_mm]
+        assert not getB(cube, edges).any()
+        faces = [[float(f"{x}e-3") for x in point] for point in faces_mm]
+        assert np.array_equal(getB(cube, faces), film.b(faces_mm))
+        # Sums in metres differ from these numbers in their last digits.
+        center = cube.position[0]
+        sums = [(center + 0.005, 0.005, 1e-3 * z) for z in (-4, -2, 0, 1, 3)]
+        assert not getB(cube, sums).any()
+        sensor = Sensor(pixel=faces)
+        assert np.array_equal(getB(cube, sensor), film.b(faces_mm))
+        assert np.array_equal(getB(film, faces), film.b(faces_mm))
+
+
 def test_other_sources_are_refused():
     sphere = magpylib.magnet.Sphere(diameter=1, polarization=(1, 2, 3))
     for call in (lambda: getB(sphere, (0, 0, 1)), lambda: from_magpylib(Collection(sphere))):

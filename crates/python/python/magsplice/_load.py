@@ -12,7 +12,7 @@ from magsplice import _magsplice
 from magsplice._arguments import whole
 from magsplice._film import Film, film_of_text
 from magsplice._layout import Tile
-from magsplice._magpylib.cuboids import MILLI, Track, cuboids_of, shifted
+from magsplice._magpylib.cuboids import Track, cuboids_of, in_mm
 
 
 def load(path: str | os.PathLike[str]) -> Film:
@@ -181,8 +181,8 @@ def from_magpylib(sources: Any, *, name: str | None = None, **tables: Any) -> Fi
         quaternion = track.rotation[0]
         tiles.append(
             Tile(
-                shifted(track.position[0], MILLI),
-                shifted(track.size[0], MILLI),
+                in_mm(track.position[0]).tolist(),
+                in_mm(track.size[0]).tolist(),
                 track.polarization_t[0].tolist(),
                 None if np.array_equal(quaternion, (0, 0, 0, 1)) else quaternion,
                 # A label shared by several cuboids is not a name.

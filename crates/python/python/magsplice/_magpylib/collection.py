@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from magsplice import _magsplice
-from magsplice._magpylib.cuboids import MILLI, imported, shifted
+from magsplice._magpylib.cuboids import imported, in_metres
 
 
 def to_magpylib(film: _magsplice.Film) -> Any:
@@ -13,17 +13,19 @@ def to_magpylib(film: _magsplice.Film) -> Any:
     magpylib = imported()
     from scipy.spatial.transform import Rotation
 
+    names, position_mm, size_mm, *directions = film._blocks()
+    rows = zip(names, in_metres(position_mm), in_metres(size_mm), *directions, strict=True)
     collection = magpylib.Collection(style_label=film.name)
     collection.add(
         *(
             magpylib.magnet.Cuboid(
-                position=shifted(position, -MILLI),
-                dimension=shifted(size, -MILLI),
+                position=position,
+                dimension=size,
                 polarization=polarization_t,
                 orientation=Rotation.from_quat(rotation),
                 style_label=name,
             )
-            for name, position, size, polarization_t, rotation in zip(*film._blocks(), strict=True)
+            for name, position, size, polarization_t, rotation in rows
         )
     )
     return collection

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from decimal import Decimal
 from typing import Any
 
 import numpy as np
 
+from magsplice import _magsplice
 from magsplice._layout import Floats
-
-#: Decimal places between metres and millimetres.
-MILLI = 3
 
 
 def imported() -> Any:
@@ -25,9 +22,19 @@ def imported() -> Any:
     return magpylib
 
 
-def shifted(values: Floats, places: int) -> list[float]:
-    """Numbers with a moved decimal point, exact in every digit."""
-    return [float(Decimal(repr(float(value))).scaleb(places)) for value in values]
+def in_mm(metres: Floats) -> Floats:
+    """Vectors in millimetres, shape (..., 3). The decimal point moves, exact in every digit."""
+    return _shifted(metres, 3)
+
+
+def in_metres(millimetres: Floats) -> Floats:
+    """The inverse of `in_mm`."""
+    return _shifted(millimetres, -3)
+
+
+def _shifted(values: Floats, exponent: int) -> Floats:
+    rows = np.ascontiguousarray(values, dtype=float).reshape(-1, 3)
+    return _magsplice.shifted(rows, exponent).reshape(np.shape(values))
 
 
 class Track:

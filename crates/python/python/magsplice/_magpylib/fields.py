@@ -12,7 +12,7 @@ import numpy as np
 
 from magsplice import _magsplice
 from magsplice._layout import Floats
-from magsplice._magpylib.cuboids import MILLI, Track, cuboids_of, label_of, shifted
+from magsplice._magpylib.cuboids import Track, cuboids_of, in_metres, label_of
 from magsplice._magpylib.observers import Sensor, sensors_of
 from magsplice._points import tolerance_of
 
@@ -34,13 +34,10 @@ class _Source:
         self.length = max((track.length for track in self.tracks), default=1)
 
     def arrays(self, step: int) -> tuple[Floats, ...]:
-        """Positions, sizes, polarizations and rotations of the cuboids at a step of the path."""
+        """Positions and sizes in metres, polarizations and rotations of the cuboids at a step."""
         if self.film is not None:
             _, position_mm, size_mm, polarization_t, rotation = self.film._blocks()
-            metres = [
-                np.array([shifted(row, -MILLI) for row in rows]) for rows in (position_mm, size_mm)
-            ]
-            return *metres, polarization_t, rotation
+            return in_metres(position_mm), in_metres(size_mm), polarization_t, rotation
         rows = zip(*(track.at(step) for track in self.tracks), strict=True)
         return tuple(np.array(array, dtype=float) for array in rows)
 
@@ -226,6 +223,9 @@ Notes
 On an edge of a cuboid that is not parallel to J, B is unbounded. magpylib and this function count 0
 for this cuboid there; `Film.b` raises `PointsError`. On edges parallel to J, magpylib also counts
 0, and this function gives B. On a face B is the limit from the side of larger x, y or z.
+
+Positions and dimensions are evaluated in millimetres, where the decimal point is moved, so edges
+and faces at multiples of 1 mm or 0.01 mm are exactly there, as in `from_magpylib`.
 """,
 )
 
