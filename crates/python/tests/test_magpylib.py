@@ -188,6 +188,10 @@ def test_edges_and_faces_in_metres_are_where_they_are_in_millimetres():
     for cube, film, edges_mm, faces_mm in cubes_in_a_row():
         edges = [[float(f"{x}e-3") for x in point] for point in edges_mm]
         assert not getB(cube, edges).any()
+        assert np.isnan(getB(cube, edges, invalid="nan")).all()
+        with pytest.raises(magsplice.PointsError, match="exposed edge") as caught:
+            getB(cube, edges, invalid="raise")
+        assert caught.value.faults[0].point == tuple(edges[0])
         faces = [[float(f"{x}e-3") for x in point] for point in faces_mm]
         assert np.array_equal(getB(cube, faces), film.b(faces_mm))
         # Sums in metres differ from these numbers in their last digits.
@@ -197,6 +201,18 @@ def test_edges_and_faces_in_metres_are_where_they_are_in_millimetres():
         sensor = Sensor(pixel=faces)
         assert np.array_equal(getB(cube, sensor), film.b(faces_mm))
         assert np.array_equal(getB(film, faces), film.b(faces_mm))
+
+
+def test_points_without_a_field_may_be_nan():
+    cube = Cuboid(dimension=(1, 1, 1), polarization=(1, 2, 3))
+    points = [(0, 0, 2), (np.nan, 0, 0), (0.5, 0.5, 0)]
+    found = getB(cube, points, invalid="nan")
+    assert np.isnan(found[1:]).all()
+    assert np.array_equal(found[0], getB(cube, points[0]))
+    with pytest.raises(magsplice.PointsError, match="must be finite"):
+        getB(cube, points)
+    with pytest.raises(ValueError, match="invalid = 'zero', must be one of"):
+        getB(cube, points, invalid="zero")
 
 
 def test_other_sources_are_refused():

@@ -6,11 +6,12 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from inspect import signature
 from itertools import product
-from typing import TYPE_CHECKING, Any, Concatenate, Literal, ParamSpec, TypeVar
+from typing import TYPE_CHECKING, Any, Concatenate, Literal, ParamSpec, TypeVar, get_args
 
 import numpy as np
 
 from magsplice import _magsplice
+from magsplice._arguments import one_of
 from magsplice._layout import Floats
 from magsplice._magpylib.cuboids import Track, cuboids_of, in_metres, label_of
 from magsplice._magpylib.observers import Sensor, sensors_of
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     import pandas
 
 Quantity = Literal["b", "h"]
+Invalid = Literal["magpylib", "nan", "raise"]
 P = ParamSpec("P")
 R = TypeVar("R")
 
@@ -53,7 +55,9 @@ def _field(
     in_out: str = "auto",
     *,
     within: float | str | None = None,
+    invalid: Invalid = "magpylib",
 ) -> Floats | pandas.DataFrame:
+    one_of("invalid", invalid, get_args(Invalid))
     if output not in ("ndarray", "dataframe"):
         raise ValueError(f'output = {output!r}, must be "ndarray" or "dataframe"')
     entries = list(sources) if isinstance(sources, (list, tuple)) else [sources]
@@ -70,7 +74,7 @@ def _field(
     points = np.concatenate([sensor.points(steps) for sensor in sensors], axis=1)
     still = max(sensor.length for sensor in sensors) == 1
     field = np.stack(
-        [_along_path(quantity, source, points, still, within) for source in all_sources]
+        [_along_path(quantity, source, points, still, within, invalid) for source in all_sources]
     )
     ends = np.cumsum([len(sensor.pixels) for sensor in sensors])[:-1]
     parts = [
@@ -98,16 +102,18 @@ def _along_path(
     points: Floats,
     still: bool,
     within: float | str | None,
+    invalid: Invalid,
 ) -> Floats:
     """Field of one source at points of shape (steps, pixels, 3)."""
     steps = len(points)
     if source.length == 1:
         # One scene for all points, and each point once.
         at = points[:1] if still else points
-        field = _of_cuboids(quantity, source.arrays(0), at.reshape(-1, 3), within)
+        field = _of_cuboids(quantity, source.arrays(0), at.reshape(-1, 3), within, invalid)
         return np.broadcast_to(field.reshape(at.shape), points.shape)
     fields = [
-        _of_cuboids(quantity, source.arrays(step), points[step], within) for step in range(steps)
+        _of_cuboids(quantity, source.arrays(step), points[step], within, invalid)
+        for step in range(steps)
     ]
     return np.stack(fields)
 
@@ -117,13 +123,16 @@ def _of_cuboids(
     arrays: Sequence[Floats],
     points: Floats,
     within: float | str | None,
+    invalid: Invalid,
 ) -> Floats:
-    """Field of cuboids, with B = 0 of each cuboid on its own edges."""
+    """Field of cuboids. As in magpylib, B = 0 of each cuboid on its own edges."""
     points = np.ascontiguousarray(points)
     field, error = _magsplice.Scene(*arrays).field(quantity, points, tolerance_of(within))
     unknown = np.isnan(field[:, 0])
-    if error is None:
+    if error is None or invalid == "nan":
         return field
+    if invalid == "raise":
+        raise error
     faults = getattr(error, "faults", [])
     if any(fault.tile is None for fault in faults):
         raise error
@@ -204,6 +213,10 @@ in_out : str
 within : float or str, optional
     Accepted length of the error: a fraction of |B| below 0.1, or a flux density with a unit, such
     as ``"10nT"``. Default: exact.
+invalid : {"magpylib", "nan", "raise"}
+    Handling of points without a field. ``"magpylib"``: a cuboid counts 0 on its own edges, and
+    other such points raise an exception. ``"nan"``: the result is NaN at all of them. ``"raise"``:
+    all of them raise an exception.
 
 Returns
 -------
@@ -214,6 +227,8 @@ Raises
 ------
 TypeError
     If a source is not made of cuboids.
+PointsError
+    If points have no field, see `invalid`.
 ValueError
     If a cuboid has no dimension or polarization, or sensors have different pixels without
     `pixel_agg`.
