@@ -1,6 +1,8 @@
 """Arguments that break rules, and results at the ends of their ranges."""
 
+import pickle
 import re
+import warnings
 
 import numpy as np
 import polars
@@ -193,3 +195,31 @@ def test_tolerances_are_those_of_the_program(published):
                 call(within)
     with pytest.raises(ValueError, match=r"within_t: .* must be a finite number above zero"):
         published.b(grid, within_t=-1)
+
+
+def test_films_in_metres_warn_once(tmp_path):
+    size = 0.003
+    layout = {
+        "name": "metres",
+        "ideal": {"wavelength_mm": 10, "thickness_mm": 1, "amplitude_t": 0.12},
+        "tile": [Tile((0, 0, size / 6), (size, size, size / 3), (0, 0, 0.12))],
+    }
+    with pytest.warns(magsplice.LayoutWarning, match="are its tiles in m, not mm") as caught:
+        film = Film.from_dict(layout)
+    assert len(caught) == 1
+    assert caught[0].filename == __file__
+    film.save(tmp_path / "film.toml")
+    calls = [
+        lambda: magsplice.load(tmp_path / "film.toml"),
+        lambda: magsplice.loads(film.to_toml()),
+        lambda: Film(layout["tile"], name="again", ideal=layout["ideal"]),
+    ]
+    for call in calls:
+        with pytest.warns(magsplice.LayoutWarning, match="in m, not mm") as caught:
+            call()
+        assert caught[0].filename == __file__
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        # Copies and changed films repeat no finding.
+        pickle.loads(pickle.dumps(film))
+        film.replace(name="renamed").b([0, 0, -4])

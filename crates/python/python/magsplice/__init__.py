@@ -71,7 +71,14 @@ from magsplice._results import PerAxis, PerParameter, Result
 from magsplice._samples import SampledFilm, Samples, statistics
 from magsplice._search import Metrics
 from magsplice._sensor import Readings
-from magsplice.errors import LayoutError, LayoutFault, MagspliceError, PointFault, PointsError
+from magsplice.errors import (
+    LayoutError,
+    LayoutFault,
+    LayoutWarning,
+    MagspliceError,
+    PointFault,
+    PointsError,
+)
 
 __all__ = [
     "Assignment",
@@ -95,6 +102,7 @@ __all__ = [
     "Improvement",
     "LayoutError",
     "LayoutFault",
+    "LayoutWarning",
     "MagspliceError",
     "MeasuredTile",
     "Metrics",

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from magsplice import _cluster, _html, _magsplice, _toml
+from magsplice import _cluster, _findings, _html, _magsplice, _toml
 from magsplice._arguments import LARGEST_SEED, one_of, whole
 from magsplice._arrow import Column, Table, split
 from magsplice._assignment import (
@@ -159,9 +159,9 @@ class Film(_magsplice.Film):
 
         Raises LayoutError if the mapping is no layout.
         """
-        tables = {"format": 1, **{key: table_of(part) for key, part in layout.items()}}
-        origin = str(tables.get("name") or "layout")
-        return film_of_text(_toml.text_of(tables), origin, folder)
+        film = _of_tables(layout, folder)
+        _findings.warn(film)
+        return film
 
     def to_dict(self) -> dict[str, Any]:
         """Layout in the plain form: one entry of ``tile`` for each tile, keys as in a file."""
@@ -186,7 +186,9 @@ class Film(_magsplice.Film):
         unknown = [key for key, table in tables.items() if table is None and key not in KEYS]
         if unknown:
             raise TypeError(f"{unknown[0]} is no key of a layout, must be one of {', '.join(KEYS)}")
-        return self.from_dict({**self.to_dict(), **tables}, folder=self._source[-1])
+        film = _of_tables({**self.to_dict(), **tables}, self._source[-1])
+        _findings.warn(film, self.findings)
+        return film
 
     def save(self, path: str | os.PathLike[str], *, compact: bool = True) -> None:
         """Writes the layout as TOML; see `to_toml`. An existing file is replaced."""
@@ -995,6 +997,13 @@ class Film(_magsplice.Film):
         Needs magpylib: ``pip install "magsplice[magpylib]"``.
         """
         return to_magpylib(self)
+
+
+def _of_tables(layout: Mapping[str, Any], folder: str | os.PathLike[str] | None) -> Film:
+    """Film of a layout file given as a dictionary."""
+    tables = {"format": 1, **{key: table_of(part) for key, part in layout.items()}}
+    origin = str(tables.get("name") or "layout")
+    return film_of_text(_toml.text_of(tables), origin, folder)
 
 
 def film_of_text(text: str, origin: str, folder: str | os.PathLike[str] | None) -> Film:

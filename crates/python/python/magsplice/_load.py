@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from magsplice import _magsplice
+from magsplice import _findings, _magsplice
 from magsplice._arguments import whole
 from magsplice._film import Film, film_of_text
 from magsplice._layout import Tile
@@ -35,7 +35,7 @@ def load(path: str | os.PathLike[str]) -> Film:
     >>> film = magsplice.load("layouts/published-film.toml")  # doctest: +SKIP
     """
     path = Path(path)
-    return film_of_text(_magsplice.layout_text(path), str(path), path.absolute().parent)
+    return _warned(film_of_text(_magsplice.layout_text(path), str(path), path.absolute().parent))
 
 
 def loads(
@@ -58,7 +58,12 @@ def loads(
     LayoutError
         If the text is no layout. All broken rules are in ``error.faults``.
     """
-    return film_of_text(text, origin, folder)
+    return _warned(film_of_text(text, origin, folder))
+
+
+def _warned(film: Film) -> Film:
+    _findings.warn(film)
+    return film
 
 
 def splice(
@@ -138,7 +143,7 @@ def splice(
         starts,
         seed,
     )
-    return loads(text, origin="the pattern")
+    return film_of_text(text, "the pattern", None)
 
 
 def from_magpylib(sources: Any, *, name: str | None = None, **tables: Any) -> Film:

@@ -6,7 +6,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-__all__ = ["LayoutError", "LayoutFault", "MagspliceError", "PointFault", "PointsError"]
+__all__ = [
+    "LayoutError",
+    "LayoutFault",
+    "LayoutWarning",
+    "MagspliceError",
+    "PointFault",
+    "PointsError",
+]
 
 
 class MagspliceError(Exception):
@@ -50,6 +57,14 @@ class LayoutError(MagspliceError, ValueError):
 
     def __str__(self) -> str:
         return str(self.args[0])
+
+
+class LayoutWarning(UserWarning):
+    """Properties of a layout that are allowed but usually a mistake, such as lengths in metres.
+
+    The program prints them as warnings. ``film.findings`` lists all of them.
+    ``warnings.simplefilter("error", magsplice.LayoutWarning)`` turns them into exceptions.
+    """
 
 
 @dataclass(frozen=True)
