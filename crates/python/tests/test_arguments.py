@@ -223,3 +223,23 @@ def test_films_in_metres_warn_once(tmp_path):
         # Copies and changed films repeat no finding.
         pickle.loads(pickle.dumps(film))
         film.replace(name="renamed").b([0, 0, -4])
+
+
+def test_errors_of_films_made_in_python_name_no_text():
+    with pytest.raises(magsplice.LayoutError) as caught:
+        Film([Tile((0, 0, 0), (1, -1, 1), (0, 0, 1), name="first")], name="bad")
+    assert str(caught.value) == 'bad: tile "first": size_mm[1] = -1, must be greater than 0'
+    assert caught.value.faults[0].line is None
+    for layout in (
+        {"name": "bad", "volum": {}},
+        {"name": "bad", "volume": {"x_m": [0, 1]}},
+        {"name": "bad", "tile": [{"position_mm": "here"}]},
+        {"name": "bad", "tile": 5},
+        {"name": 5},
+    ):
+        with pytest.raises(magsplice.LayoutError) as caught:
+            Film.from_dict(layout)
+        text = str(caught.value)
+        assert "line" not in text, text
+        assert "TOML" not in text, text
+        assert "|" not in text, text

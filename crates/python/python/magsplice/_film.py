@@ -51,7 +51,7 @@ from magsplice._samples import Preset, Samples
 from magsplice._search import MadeFilms, Metrics, SearchStage
 from magsplice._sensor import Readings, at_rest, noise_of
 from magsplice._source import OfFilm
-from magsplice.errors import MagspliceError
+from magsplice.errors import LayoutError, MagspliceError
 
 if TYPE_CHECKING:
     import xarray
@@ -1003,7 +1003,21 @@ def _of_tables(layout: Mapping[str, Any], folder: str | os.PathLike[str] | None)
     """Film of a layout file given as a dictionary."""
     tables = {"format": 1, **{key: table_of(part) for key, part in layout.items()}}
     origin = str(tables.get("name") or "layout")
-    return film_of_text(_toml.text_of(tables), origin, folder)
+    try:
+        return _of_text_without_lines(_toml.text_of(tables), origin, folder)
+    except LayoutError as error:
+        # An error of the text, which the user does not see.
+        faults = [] if error.faults else _toml.faults_of(str(error), tables)
+        raise LayoutError.of_faults(origin, faults) if faults else error from None
+
+
+def _of_text_without_lines(text: str, origin: str, folder: str | os.PathLike[str] | None) -> Film:
+    """Film of a text that the user does not see. Errors do not have its lines."""
+    try:
+        return film_of_text(text, origin, folder)
+    except LayoutError as error:
+        faults = [(fault.place, fault.message) for fault in error.faults]
+        raise LayoutError.of_faults(origin, faults) if faults else error from None
 
 
 def film_of_text(text: str, origin: str, folder: str | os.PathLike[str] | None) -> Film:

@@ -58,6 +58,12 @@ class LayoutError(MagspliceError, ValueError):
     def __str__(self) -> str:
         return str(self.args[0])
 
+    @classmethod
+    def of_faults(cls, origin: str, faults: Sequence[tuple[str, str]]) -> LayoutError:
+        """The error of a layout that is no text, from places and messages."""
+        lines = [f"{origin}: {place}: {message}" for place, message in faults]
+        return cls("\n".join(lines), [(None, *fault) for fault in faults])
+
 
 class LayoutWarning(UserWarning):
     """Properties of a layout that are allowed but usually a mistake, such as lengths in metres.
