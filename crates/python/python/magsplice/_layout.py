@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from magsplice import _magsplice
 from magsplice._arguments import whole
 from magsplice._arrow import Column, Table, split
+from magsplice.errors import LayoutError
 
 Floats = NDArray[np.float64]
 Vector = tuple[float, float, float]
@@ -49,8 +50,9 @@ class Tile(NamedTuple):
         Polarization J = mu0 M in the tile's own frame, in tesla.
     rotation : (x, y, z, w), optional
         Rotation from the tile's own frame to the frame of the film: a quaternion, a matrix of shape
-        (3, 3), or any object with ``as_quat()``, such as `scipy.spatial.transform.Rotation`.
-        Default: none.
+        (3, 3), a rotation vector (x, y, z) in degrees, a mapping with the keys of ``rotation`` in
+        layout files such as ``{"axis": [0, 0, 1], "angle_deg": 30}``, or any object with
+        ``as_quat()``, such as `scipy.spatial.transform.Rotation`. Default: none.
     name : str, optional
         Unique name. Default: ``tile-1``, ``tile-2``, ...
     kind : str, optional
@@ -75,15 +77,12 @@ class Tile(NamedTuple):
 
     def to_dict(self) -> dict[str, Any]:
         """Tile as a table ``[[tile]]`` of a layout file."""
-        rotation = self.rotation
-        if hasattr(rotation, "as_quat"):
-            rotation = rotation.as_quat()
         return {
             "name": self.name,
             "position_mm": _numbers(self.position_mm),
             "size_mm": _numbers(self.size_mm),
             "polarization_t": _numbers(self.polarization_t),
-            "rotation": None if rotation is None else _rotation(rotation),
+            "rotation": None if self.rotation is None else rotation_table(self.rotation),
             "recoil_permeability": _permeability(self.recoil_permeability),
         }
 
@@ -93,9 +92,42 @@ def _numbers(values: ArrayLike) -> Any:
     return np.asarray(values, dtype=float).tolist()
 
 
-def _rotation(rotation: ArrayLike) -> dict[str, Any]:
-    numbers = np.asarray(rotation, dtype=float)
+def rotation_table(rotation: Any) -> dict[str, Any]:
+    """Rotation of any form of `Tile` with the keys of a layout file."""
+    if isinstance(rotation, Mapping):
+        return {key: _listed(value) for key, value in rotation.items()}
+    try:
+        given = rotation.as_quat() if hasattr(rotation, "as_quat") else rotation
+        numbers = np.asarray(given, dtype=float)
+    except (TypeError, ValueError):
+        numbers = np.empty(0)
+    if numbers.shape not in ((3,), (4,), (3, 3)):
+        raise LayoutError(
+            f"rotation = {rotation!r}, must be a quaternion x, y, z, w, a matrix of shape (3, 3), "
+            "a rotation vector in degrees, a mapping such as "
+            '{"axis": [0, 0, 1], "angle_deg": 30}, or have as_quat()'
+        )
+    if numbers.shape == (3,):
+        angle_deg = float(np.linalg.norm(numbers))
+        axis = numbers.tolist() if angle_deg else [0.0, 0.0, 1.0]
+        return {"axis": axis, "angle_deg": angle_deg}
     return {"matrix" if numbers.ndim == 2 else "quaternion": numbers.tolist()}
+
+
+def _listed(value: Any) -> Any:
+    return np.asarray(value).tolist() if isinstance(value, (np.ndarray, tuple, list)) else value
+
+
+def vector(name: str, value: ArrayLike) -> Vector:
+    """Three finite numbers. ValueError for other values."""
+    try:
+        numbers = np.asarray(value, dtype=float)
+    except (TypeError, ValueError):
+        numbers = np.empty(0)
+    if numbers.shape != (3,) or not np.isfinite(numbers).all():
+        raise ValueError(f"{name} = {value!r}, must be three finite numbers")
+    x, y, z = numbers.tolist()
+    return (x, y, z)
 
 
 def _permeability(stated: float | Sequence[float] | None) -> Any:
