@@ -32,6 +32,8 @@
 
 /// Tolerances of a field as people write them.
 mod accuracy;
+/// Layouts whose tiles are moved, turned, selected or joined.
+mod assembled;
 /// `[design]`: what a search may change, and its goal.
 mod brief;
 /// Decimal numbers with a unit.

@@ -4,10 +4,10 @@ use std::fmt;
 
 use glam::{DMat3, DQuat, DVec3};
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, de};
 use thiserror::Error;
 
-use crate::faults::TableFaults;
+use crate::faults::{Faults, TableFaults};
 use crate::names::shown;
 use crate::units::{rotation_from_degrees, unit_vector};
 
@@ -242,6 +242,19 @@ impl RotationTable {
         let angle = self.angle_deg.map(|angle| ("rotation.angle_deg".to_owned(), angle));
         let euler = self.euler_deg.into_iter().flatten().enumerate();
         angle.into_iter().chain(euler.map(|(index, angle)| (format!("rotation.euler_deg[{index}]"), angle)))
+    }
+}
+
+/// With the keys of `rotation` in a layout file.
+impl<'de> Deserialize<'de> for Rotation {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Rotation, D::Error> {
+        let table = RotationTable::deserialize(deserializer)?;
+        let mut faults = Faults::new("");
+        let found = table.resolve(&mut faults.at(0, "rotation"));
+        found.ok_or_else(|| {
+            let messages: Vec<String> = faults.into_sorted().into_iter().map(|fault| fault.message).collect();
+            de::Error::custom(messages.join("; "))
+        })
     }
 }
 

@@ -8,6 +8,8 @@
 // Methods of a Python class take `&self` and values as Python passes them.
 #![allow(clippy::needless_pass_by_value)]
 
+/// Films moved, turned, selected and joined.
+mod assembly;
 /// The assignment of measured tiles to places.
 mod assignment;
 /// The displacement error of films as made, split into its causes.
@@ -50,6 +52,8 @@ mod vectors;
 mod _magsplice {
     use pyo3::prelude::*;
 
+    #[pymodule_export]
+    use crate::assembly::{joined, moved, rotated, selected};
     #[pymodule_export]
     use crate::assignment::assign;
     #[pymodule_export]

@@ -1,5 +1,6 @@
 //! Tests of the public interface: each table of a layout file, its rules, and its messages.
 
+mod assembled;
 mod briefs;
 mod compact;
 mod edited;

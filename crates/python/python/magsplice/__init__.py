@@ -23,6 +23,8 @@ First steps
 -----------
 load, loads, Film, splice
     A film from a file, from text, from tiles or from a few numbers.
+Film.moved, Film.rotated, ``film + film``, ``film[:10]``
+    Films with other tiles.
 Film.b, Film.h, Film.j, Film.gradient
     Its field at points or on a `Grid`, exact or within a tolerance.
 Film.compare, Film.decouple

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 from magsplice import _cluster, _findings, _html, _magsplice, _toml
 from magsplice._arguments import LARGEST_SEED, one_of, whole
 from magsplice._arrow import Column, Table, split
+from magsplice._assembly import Assembly
 from magsplice._assignment import (
     MOST_STARTS,
     MeasuredTile,
@@ -64,7 +65,7 @@ _MOST_SAMPLES = 10_000_000
 _MOST_THREADS = 65_535
 
 
-class Film(_magsplice.Film):
+class Film(Assembly):
     """A spliced film, or any other arrangement of block magnets, with its exact field.
 
     Lengths are in millimetres, flux density B and polarization J in tesla, field strength H in
@@ -190,6 +191,10 @@ class Film(_magsplice.Film):
         _findings.warn(film, self.findings)
         return film
 
+    def _of_text(self, text: str) -> Film:
+        # A part of a film, or tiles beside the ideal film, are rarely a mistake here.
+        return _of_text_without_lines(text, self.name, self._source[-1])
+
     def save(self, path: str | os.PathLike[str], *, compact: bool = True) -> None:
         """Writes the layout as TOML; see `to_toml`. An existing file is replaced."""
         Path(path).write_text(self.to_toml(compact=compact), encoding="utf-8")
@@ -223,7 +228,7 @@ class Film(_magsplice.Film):
         return film_html(self, rows)
 
     @cached_property
-    def tiles(self) -> Tiles:
+    def tiles(self) -> Tiles:  # type: ignore[override]
         """All tiles, with repetitions expanded."""
         return Tiles(*self._tiles())
 

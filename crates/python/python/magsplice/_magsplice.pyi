@@ -22,15 +22,19 @@ __all__ = [
     "diagnose",
     "forces",
     "grid_axes",
+    "joined",
     "layout_svg",
     "layout_text",
+    "moved",
     "read",
     "recoil",
     "recoil_estimate",
     "report",
     "resolution",
+    "rotated",
     "sampled",
     "samples",
+    "selected",
     "shifted",
     "splice",
     "statistics",
@@ -174,6 +178,10 @@ def report(
 ) -> tuple[list[tuple[str, str, str, bytes, str]], str, list[str]]: ...
 def view(film: Film) -> str: ...
 def layout_svg(film: Film) -> str: ...
+def moved(film: Film, shift_mm: _Vector) -> str: ...
+def rotated(film: Film, rotation: dict[str, Any], about_mm: _Vector) -> str: ...
+def selected(film: Film, indices: list[int]) -> str: ...
+def joined(film: Film, other: Film) -> str: ...
 def splice(
     wavelength_mm: float,
     film_mm: tuple[float, float],

@@ -1,0 +1,162 @@
+//! Layouts whose tiles are moved, turned, selected, or joined with the tiles of another layout.
+//!
+//! Other tables are unchanged, such as the working volume, which does not move with the tiles.
+//! Requirements and the brief apply to the original film, and are left out.
+
+use std::collections::HashSet;
+
+use glam::{DMat3, DQuat, DVec3};
+use magsplice_magnet::{Tile, TileFaults};
+
+use crate::expectations::Expectations;
+use crate::layout::{Layout, NamedTile};
+use crate::material::Material;
+use crate::rotation::Rotation;
+use crate::tolerance::FilmTolerance;
+use crate::units::ten_decimals;
+
+/// Largest element of the difference of a rotation from a rotation by quarter turns about the axes.
+/// It is round-off: tiles turned by such an angle are as far from their places as by the last digit
+/// of their coordinates.
+const QUARTER_TURN_ROUNDING: f64 = 1e-14;
+
+impl Layout {
+    /// The layout with its tiles moved by a vector in millimetres. Positions have ten decimals.
+    ///
+    /// # Errors
+    /// If a position is out of range.
+    pub fn moved(self, shift_mm: DVec3) -> Result<Layout, TileFaults> {
+        self.with_each_tile(|named| {
+            let tile = named.tile;
+            let moved = Tile::new(rounded(tile.position() + shift_mm), tile.size(), tile.polarization_t())?;
+            Ok(NamedTile { tile: moved.rotated(tile.rotation())?, ..named })
+        })
+    }
+
+    /// The layout with its tiles turned as one rigid body about a point in millimetres. Positions
+    /// have ten decimals. Quarter turns about the axes exchange the sides of tiles, so that edges
+    /// that are parallel remain so to the last digit.
+    ///
+    /// # Errors
+    /// If a position is out of range.
+    pub fn rotated(self, rotation: Rotation, about_mm: DVec3) -> Result<Layout, TileFaults> {
+        let rotation = rotation.quaternion();
+        let turn = quarter_turns(rotation);
+        self.with_each_tile(|named| {
+            let tile = named.tile;
+            let arm = tile.position() - about_mm;
+            let position = rounded(about_mm + turn.map_or_else(|| rotation * arm, |turn| turn * arm));
+            let (size, polarization_t, own) = match turn {
+                Some(turn) => {
+                    let size = DMat3::from_cols_array(&turn.to_cols_array().map(f64::abs)) * tile.size();
+                    let own = tile.rotation();
+                    let turned = DVec3::new(own.x, own.y, own.z);
+                    let axis = turn * turned;
+                    (size, turn * tile.polarization_t(), DQuat::from_xyzw(axis.x, axis.y, axis.z, own.w))
+                }
+                None => (tile.size(), tile.polarization_t(), rotation * tile.rotation()),
+            };
+            let turned = Tile::new(position, size, polarization_t)?.rotated(own)?;
+            // The kind has the sides of the tile.
+            let kind = if size == tile.size() { named.kind } else { None };
+            Ok(NamedTile { kind, permeability: named.permeability, ..NamedTile::new(named.name, turned) })
+        })
+    }
+
+    /// The layout with the tiles of these indices, in this order, and with their errors.
+    ///
+    /// # Panics
+    /// If there is no tile with an index.
+    pub fn with_selected_tiles(mut self, indices: &[usize]) -> Layout {
+        if let Some(tolerance) = &mut self.tolerance {
+            if !tolerance.tiles.is_empty() {
+                tolerance.tiles = indices.iter().map(|&index| tolerance.tiles[index].clone()).collect();
+            }
+            for group in &mut tolerance.groups {
+                let members: HashSet<usize> = group.tiles.iter().copied().collect();
+                let is_member = |&position: &usize| members.contains(&indices[position]);
+                group.tiles = (0..indices.len()).filter(is_member).collect();
+            }
+            tolerance.groups.retain(|group| !group.tiles.is_empty());
+        }
+        let tiles = indices.iter().map(|&index| self.tiles[index].clone()).collect();
+        Layout { tiles, ..self.without_requirements() }
+    }
+
+    /// The layout with the tiles of another layout in addition. All other tables are those of
+    /// `self`. The tiles of `other` keep their recoil permeability and their errors. Where both
+    /// have tiles or groups of one name, the name of the second gets the suffix `-2`, or the next
+    /// free number.
+    pub fn joined(mut self, other: &Layout) -> Layout {
+        let count = self.tiles.len();
+        if self.tolerance.is_some() || other.tolerance.is_some() {
+            let mut both = self.tolerance.take().unwrap_or_default();
+            let more = other.tolerance.clone().unwrap_or_default();
+            let of_each = |of: FilmTolerance, count: usize| match of.tiles.is_empty() {
+                true => vec![Default::default(); count],
+                false => of.tiles,
+            };
+            let mut names = FreeNames::of(both.groups.iter().map(|group| &group.name));
+            for mut group in more.groups.clone() {
+                group.name = names.free(&group.name);
+                group.tiles.iter_mut().for_each(|tile| *tile += count);
+                both.groups.push(group);
+            }
+            if !(both.tiles.is_empty() && more.tiles.is_empty()) {
+                both.tiles = of_each(both.clone(), count);
+                both.tiles.extend(of_each(more, other.tiles.len()));
+            }
+            self.tolerance = Some(both);
+        }
+        let Material { permeability, .. } = self.material;
+        let mut names = FreeNames::of(self.tiles.iter().map(|named| &named.name));
+        for named in &other.tiles {
+            let own = named.permeability.unwrap_or(other.material.permeability);
+            let permeability = named.permeability.or((own != permeability).then_some(own));
+            self.tiles.push(NamedTile { name: names.free(&named.name), permeability, ..named.clone() });
+        }
+        self.without_requirements()
+    }
+
+    fn with_each_tile(
+        mut self,
+        changed: impl Fn(NamedTile) -> Result<NamedTile, TileFaults>,
+    ) -> Result<Layout, TileFaults> {
+        self.tiles = self.tiles.into_iter().map(changed).collect::<Result<_, _>>()?;
+        Ok(self.without_requirements())
+    }
+
+    fn without_requirements(self) -> Layout {
+        Layout { expectations: Expectations::default(), brief: None, ..self }
+    }
+}
+
+fn rounded(position: DVec3) -> DVec3 {
+    position.to_array().map(ten_decimals).into()
+}
+
+/// The matrix of a rotation by quarter turns about the axes, exact. `None` for other rotations.
+fn quarter_turns(rotation: DQuat) -> Option<DMat3> {
+    let matrix = DMat3::from_quat(rotation);
+    let exact = DMat3::from_cols_array(&matrix.to_cols_array().map(f64::round));
+    let is_one = (matrix - exact).to_cols_array().iter().all(|element| element.abs() <= QUARTER_TURN_ROUNDING);
+    is_one.then_some(exact)
+}
+
+/// Names in use.
+struct FreeNames(HashSet<String>);
+
+impl FreeNames {
+    fn of<'a>(names: impl Iterator<Item = &'a String>) -> FreeNames {
+        FreeNames(names.cloned().collect())
+    }
+
+    /// The name, or with the first number that makes it unique, which is then in use.
+    fn free(&mut self, name: &str) -> String {
+        let numbered = (2..).map(|number| format!("{name}-{number}"));
+        let mut candidates = std::iter::once(name.to_owned()).chain(numbered);
+        let free = candidates.find(|name| !self.0.contains(name)).expect("there are infinitely many numbers");
+        self.0.insert(free.clone());
+        free
+    }
+}
