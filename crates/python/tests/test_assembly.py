@@ -118,3 +118,14 @@ def test_films_are_indexed(published):
         PAD[2]
     with pytest.raises(KeyError, match="'square' is no tile and no kind of pad, which has left"):
         PAD["square"]
+
+
+def test_lattices_are_cut_films():
+    x = [([3.3, 1.7], [1, 0], 2)]
+    film = Film(lattice=[magsplice.Lattice((-5, -5, 0), 1, x, strength_t=0.12)], name="cut")
+    table = {"widths_mm": [3.3, 1.7], "pattern": [1, 0], "times": 2}
+    written = {"start_mm": [-5, -5, 0], "height_mm": 1, "x": [table], "strength_t": 0.12}
+    assert len(film) == len(Film.from_dict({"name": "cut", "lattice": [written]})) == 12
+    assert film[0].size_mm == (3.3, 3.3, 1)
+    mixed = Film([Tile((0, 0, 5), (1, 1, 1), (0, 0, 1))], lattice=[written], name="mixed")
+    assert len(mixed) == 13

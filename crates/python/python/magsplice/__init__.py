@@ -63,7 +63,7 @@ from magsplice._diagnosis import Diagnosis, ExcludedReadings, FaultyTile, Sensor
 from magsplice._figures import Estimate, Figures, Statistics
 from magsplice._film import Assignment, Design, Film, Front
 from magsplice._forces import Forces, PlacementOrder
-from magsplice._layout import Grid, Ideal, Tile, Tiles, Volume
+from magsplice._layout import Grid, Ideal, Lattice, Tile, Tiles, Volume
 from magsplice._load import from_magpylib, load, loads, splice
 from magsplice._magpylib.fields import getB, getH
 from magsplice._magsplice import __version__
@@ -102,6 +102,7 @@ __all__ = [
     "Grid",
     "Ideal",
     "Improvement",
+    "Lattice",
     "LayoutError",
     "LayoutFault",
     "LayoutWarning",

@@ -36,6 +36,7 @@ from magsplice._layout import (
     Floats,
     Grid,
     Ideal,
+    Lattice,
     Tile,
     Tiles,
     Vector,
@@ -88,6 +89,8 @@ class Film(Assembly):
         Tables of the layout file with these names, such as ``tolerance={"preset": "workshop",
         "size_mm": 0.02}`` or ``material={"recoil_permeability": 1.05}``; docs/layout-format.md has
         all keys.
+    lattice : iterable of Lattice or mapping, optional
+        Tiles of cut films, in addition to `tiles`.
 
     Raises
     ------
@@ -114,7 +117,7 @@ class Film(Assembly):
 
     def __new__(
         cls,
-        tiles: Iterable[Tile],
+        tiles: Iterable[Tile] = (),
         *,
         name: str,
         description: str | None = None,
@@ -126,6 +129,7 @@ class Film(Assembly):
         tolerance: Mapping[str, Any] | None = None,
         sensor: Mapping[str, Any] | None = None,
         elastomer: Mapping[str, Any] | None = None,
+        lattice: Iterable[Lattice | Mapping[str, Any]] | None = None,
     ) -> Film:
         return cls.from_dict(
             {
@@ -140,6 +144,7 @@ class Film(Assembly):
                 "sensor": sensor,
                 "elastomer": elastomer,
                 "tile": tiles,
+                "lattice": lattice,
             }
         )
 

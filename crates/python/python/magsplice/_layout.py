@@ -144,6 +144,67 @@ def _permeability(stated: float | Sequence[float] | None) -> Any:
     return {"along": along, "across": across}
 
 
+class Lattice(NamedTuple):
+    """A film cut along lines parallel to x and y: a tile in each cell with a pattern.
+
+    A section of an axis is ``(widths_mm, pattern)`` or ``(widths_mm, pattern, times)``: the widths
+    of consecutive intervals in millimetres, for each of them the component of the direction of J
+    along this axis, and the number of repetitions.
+
+    Parameters
+    ----------
+    start_mm : (x, y, z)
+        Lower corner, in millimetres.
+    height_mm : float
+        Height along z, in millimetres.
+    x : list of sections
+        Intervals along x.
+    y : list of sections, optional
+        Intervals along y. Default: the intervals along x.
+    strength_t : float, optional
+        Magnitude of the polarization of every tile, in tesla. Give this or `component_t`.
+    component_t : float, optional
+        Factor of the pattern, in tesla: J is this times the pattern.
+    name : str, optional
+        First part of the names of its tiles. Default: ``lattice-1``, ``lattice-2``, ...
+    recoil_permeability : float or (along, across), optional
+        As of `Tile`.
+
+    Examples
+    --------
+    >>> x = [([3.3, 1.7], [1, 0], 2)]
+    >>> len(Film(lattice=[Lattice((-5, -5, 0), 1, x, strength_t=0.12)], name="cut"))
+    12
+    """
+
+    start_mm: Sequence[float]
+    height_mm: float
+    x: Sequence[Any]
+    y: Sequence[Any] | None = None
+    strength_t: float | None = None
+    component_t: float | None = None
+    name: str | None = None
+    recoil_permeability: float | Sequence[float] | None = None
+
+    def to_dict(self) -> dict[str, Any]:
+        """Lattice as a table ``[[lattice]]`` of a layout file."""
+        return {
+            **self._asdict(),
+            "start_mm": _numbers(self.start_mm),
+            "x": _sections(self.x),
+            "y": None if self.y is None else _sections(self.y),
+            "recoil_permeability": _permeability(self.recoil_permeability),
+        }
+
+
+def _sections(sections: Sequence[Any]) -> list[Any]:
+    keys = ("widths_mm", "pattern", "times")
+    return [
+        section if isinstance(section, Mapping) else dict(zip(keys, section, strict=False))
+        for section in sections
+    ]
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Tiles(Table):
     """Tiles of a film, as a sequence of `Tile` and as arrays with one row for each tile.
@@ -346,7 +407,7 @@ def table_of(part: Any) -> Any:
     """Part of a layout as a table of a layout file."""
     if isinstance(part, (Ideal, Volume)):
         return dict(vars(part))
-    if isinstance(part, Tile):
+    if isinstance(part, (Tile, Lattice)):
         return part.to_dict()
     if isinstance(part, Tiles):
         return [tile.to_dict() for tile in part]
