@@ -71,6 +71,11 @@ impl WorkingVolume {
         volume
             .ok_or_else(|| faults.into_sorted().into_iter().map(|fault| LayoutFault { line: None, ..fault }).collect())
     }
+
+    /// Whether the reference point is the one of a volume that gives none.
+    pub fn has_default_reference(&self) -> bool {
+        self.reference_mm == default_reference_mm(self.lower_mm, self.upper_mm)
+    }
 }
 
 impl From<&WorkingVolume> for VolumeTable {
@@ -132,15 +137,19 @@ impl VolumeTable {
             }
         }
         let counts = intervals.to_array().map(|n| n as usize + 1);
-        let middle = 0.5 * (lower + end);
         Some(WorkingVolume {
             grid: Grid::new(lower, upper, counts).expect("ranges and steps have been checked"),
             lower_mm: lower,
             upper_mm: end,
             step_mm: steps,
-            reference_mm: self.reference_mm.map_or(DVec3::new(middle.x, middle.y, lower.z), DVec3::from),
+            reference_mm: self.reference_mm.map_or_else(|| default_reference_mm(lower, end), DVec3::from),
         })
     }
+}
+
+/// The middle of x and y at the lowest z.
+fn default_reference_mm(lower_mm: DVec3, upper_mm: DVec3) -> DVec3 {
+    (0.5 * (lower_mm + upper_mm)).with_z(lower_mm.z)
 }
 
 fn check_range(key: &str, [low, high]: [f64; 2], faults: &mut TableFaults) {

@@ -138,6 +138,12 @@ impl Film {
         })
     }
 
+    /// Whether the reference point of the working volume is the default, or there is no volume.
+    #[getter]
+    fn _has_default_reference(&self) -> bool {
+        self.layout.volume.is_none_or(|volume| volume.has_default_reference())
+    }
+
     /// Number of samples and seed of films as made.
     #[getter]
     fn _sampling(&self) -> (u64, u64) {

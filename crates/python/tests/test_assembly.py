@@ -129,3 +129,19 @@ def test_lattices_are_cut_films():
     assert film[0].size_mm == (3.3, 3.3, 1)
     mixed = Film([Tile((0, 0, 5), (1, 1, 1), (0, 0, 1))], lattice=[written], name="mixed")
     assert len(mixed) == 13
+
+
+def test_replaced_keys_leave_the_others_of_a_table(published):
+    lower = published.replace(volume={"z_mm": [-7, -6]})
+    assert lower.volume.x_mm == published.volume.x_mm
+    assert lower.volume.z_mm == (-7, -6)
+    assert lower.volume.step_mm == published.volume.step_mm
+    # The default reference point follows the volume, and a given one stays.
+    assert lower.reference_mm == (0, 0, -7)
+    given = published.replace(volume={"reference_mm": [0.5, 0, -4]})
+    assert given.replace(volume={"x_mm": [-1, 1]}).reference_mm == (0.5, 0, -4)
+    assert given.replace(volume={"reference_mm": None}).reference_mm == published.reference_mm
+    assert published.replace(ideal={"amplitude_t": 0.1}).ideal.wavelength_mm == 10
+    workshop = published.replace(tolerance={"preset": "workshop"})
+    again = workshop.replace(tolerance={"size_mm": 0.5}).replace(tolerance={"preset": "workshop"})
+    assert again.to_dict()["tolerance"] == workshop.to_dict()["tolerance"]

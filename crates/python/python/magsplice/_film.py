@@ -182,17 +182,24 @@ class Film(Assembly):
         **tables
             Keys of a layout file with their new values: ``name``, ``description``, ``ideal``,
             ``volume``, ``material``, ``tolerance``, ``design``, ``sensor``, ``elastomer``,
-            ``expect``, and ``tile`` with the tiles. None removes a table.
+            ``expect``, and ``tile`` with the tiles. None removes a table. A mapping changes the
+            keys that it has; the value None removes a key. A mapping with a ``preset`` of
+            ``tolerance`` or a ``part`` of ``sensor``, which stands for a whole table, replaces the
+            table.
 
         Examples
         --------
-        >>> volume = film.to_dict()["volume"]  # doctest: +SKIP
-        >>> finer = film.replace(volume={**volume, "step_mm": 0.25})  # doctest: +SKIP
+        >>> finer = film.replace(volume={"step_mm": 0.25})  # doctest: +SKIP
         """
         unknown = [key for key, table in tables.items() if table is None and key not in KEYS]
         if unknown:
             raise TypeError(f"{unknown[0]} is no key of a layout, must be one of {', '.join(KEYS)}")
-        film = _of_tables({**self.to_dict(), **tables}, self._source[-1])
+        before = self.to_dict()
+        if self._has_default_reference:
+            # It follows the ends of the volume.
+            before.get("volume", {}).pop("reference_mm", None)
+        after = {**before, **{name: _merged(name, before, table) for name, table in tables.items()}}
+        film = _of_tables(after, self._source[-1])
         _findings.warn(film, self.findings)
         return film
 
@@ -1007,6 +1014,18 @@ class Film(Assembly):
         Needs magpylib: ``pip install "magsplice[magpylib]"``.
         """
         return to_magpylib(self)
+
+
+#: Keys of tables that stand for all other keys of the table.
+_PRESETS = {"tolerance": "preset", "sensor": "part"}
+
+
+def _merged(name: str, before: Mapping[str, Any], table: Any) -> Any:
+    """Table with the keys of the table before that it does not have."""
+    known = before.get(name)
+    if isinstance(table, Mapping) and isinstance(known, dict) and _PRESETS.get(name) not in table:
+        return {**known, **table}
+    return table
 
 
 def _of_tables(layout: Mapping[str, Any], folder: str | os.PathLike[str] | None) -> Film:
