@@ -22,6 +22,8 @@ mod diagnosis;
 mod evaluation;
 /// Python exceptions for the errors of the library.
 mod exceptions;
+/// The film for the workshop.
+mod export;
 /// A layout with its prepared tiles.
 mod film;
 /// Forces of tiles on each other.
@@ -64,6 +66,8 @@ mod _magsplice {
     use crate::diagnosis::diagnose;
     #[pymodule_export]
     use crate::evaluation::{compare, decouple};
+    #[pymodule_export]
+    use crate::export::parts;
     #[pymodule_export]
     use crate::film::{Film, layout_text};
     #[pymodule_export]

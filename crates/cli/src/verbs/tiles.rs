@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use magsplice::expect::NarrowGaps;
 use magsplice::layout::{NamedTile, Rotation};
 use magsplice::prelude::{DVec3, Tile};
-use magsplice::results::{BillOfMaterials, PartItem, twelve_digits};
+use magsplice::results::{BillOfMaterials, MAX_KERF_MM, PartItem, twelve_digits};
 #[cfg(feature = "report")]
 use magsplice_report::{SvgText, bill_page, layout_figure};
 
@@ -45,9 +45,6 @@ pub(crate) struct TilesArgs {
     page: Option<PathBuf>,
 }
 
-/// Largest kerf. No saw removes more, and areas stay within the range of numbers.
-const MAX_KERF_MM: f64 = 100.0;
-
 fn kerf(text: &str) -> Result<f64, String> {
     let number = text.trim().parse().ok().filter(|kerf: &f64| (0.0..=MAX_KERF_MM).contains(kerf));
     number.ok_or_else(|| format!("must be a number of mm from 0 to {MAX_KERF_MM}"))
@@ -55,9 +52,6 @@ fn kerf(text: &str) -> Result<f64, String> {
 
 pub(crate) fn run(args: &TilesArgs, quiet: bool) -> Result<(), Failure> {
     let session = Session::open(&args.layout, remarks::OF_TILES, quiet)?;
-    if args.kerf_mm.is_some() && args.format == TilesFormat::Json {
-        return Err(Failure::Refused("--kerf-mm goes with --format text or csv: json has no material".to_owned()));
-    }
     #[cfg(feature = "report")]
     let page = args.page.as_deref().map(|page| session.output(Some(page), None)).transpose()?;
     let list = BillOfMaterials::new(&session.layout, args.kerf_mm);

@@ -103,7 +103,12 @@ fn kerf_adds_the_material() {
     assert!(text.contains("material with a kerf of 0.2 mm") && text.contains("84 of 1.7 x 1 mm"), "{text}");
     assert!(text.contains("sheet of 1 mm: 414.4 mm2 in all"), "{text}");
     sandbox.run(&["tiles", &layout, "--kerf-mm", "-1"]).refuses_arguments("must be a number of mm from 0 to 100");
-    sandbox.run(&["tiles", &layout, "--kerf-mm", "1", "--format", "json"]).refuses("--kerf-mm goes with");
+    let said = sandbox.run(&["tiles", &layout, "--kerf-mm", "0.2", "--format", "json"]);
+    let json: serde_json::Value = serde_json::from_str(&said.stdout).expect("JSON");
+    let of_json = |key: &str| json["parts"][0][key].as_f64().expect(key);
+    assert!(
+        (of_json("sheet_area_mm2") - known[0][0]).abs() < 1e-9 && (of_json("bar_length_mm") - known[0][1]).abs() < 1e-9
+    );
 }
 
 #[test]

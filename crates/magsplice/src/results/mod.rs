@@ -70,7 +70,7 @@ pub use field::{FieldAtPoints, PointQuantity};
 pub use forces::{FilmLoads, ForceChange, LoadN, OrderChoice, OrderedLoads, TileLoad};
 #[cfg(feature = "design")]
 pub use front::{FilmFront, FrontFilm};
-pub use parts::{BillOfMaterials, PartItem};
+pub use parts::{BillOfMaterials, MAX_KERF_MM, PartItem};
 pub use placement::{FittedScan, SensorPlacement};
 pub use plan::FilmPlan;
 pub use point_decoupling::{FilmPointDecoupling, FilmPointEvaluation, Omitted};

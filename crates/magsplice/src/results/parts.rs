@@ -4,6 +4,9 @@ use glam::DVec3;
 use magsplice_layout::{Layout, Part, PlainLayout};
 use serde::Serialize;
 
+/// Largest kerf in millimetres. No saw removes more, and areas stay within the range of numbers.
+pub const MAX_KERF_MM: f64 = 100.0;
+
 /// A layout with one `tile` for each tile, and `parts` beside the keys of the layout file.
 #[derive(Serialize)]
 pub struct BillOfMaterials<'a> {
@@ -16,7 +19,7 @@ pub struct BillOfMaterials<'a> {
     #[serde(skip)]
     pub layout: &'a Layout,
     /// Width of material that a cut removes, if the material is asked for.
-    #[serde(skip)]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub kerf_mm: Option<f64>,
 }
 
@@ -42,11 +45,11 @@ pub struct PartItem {
     pub tiles: Vec<String>,
     /// Area of a sheet, as thick as the third side, for all pieces. Each piece takes its first two
     /// sides with one kerf each.
-    #[serde(skip)]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub sheet_area_mm2: Option<f64>,
     /// Length of a bar with the second and third side as its section, for all pieces. Each piece
     /// takes its first side with one kerf.
-    #[serde(skip)]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub bar_length_mm: Option<f64>,
     /// Indices of the tiles.
     #[serde(skip)]

@@ -39,6 +39,8 @@ Film.forces
     Forces of the tiles on each other, and placement orders.
 Film.read, Film.resolution
     Displacements and forces from readings of a Hall sensor.
+Film.parts
+    The bill of materials.
 Film.assign
     The place and orientation of each measured tile.
 Film.diagnose
@@ -67,6 +69,7 @@ from magsplice._layout import Grid, Ideal, Lattice, Tile, Tiles, Volume
 from magsplice._load import from_magpylib, load, loads, splice
 from magsplice._magpylib.fields import getB, getH
 from magsplice._magsplice import __version__
+from magsplice._parts import Part, Parts
 from magsplice._recoil import Recoil, RecoilEstimate
 from magsplice._report import Figure, Page, Report
 from magsplice._results import PerAxis, PerParameter, Result
@@ -111,6 +114,8 @@ __all__ = [
     "Metrics",
     "Outcome",
     "Page",
+    "Part",
+    "Parts",
     "PerAxis",
     "PerParameter",
     "PlacedTile",

@@ -45,6 +45,7 @@ from magsplice._layout import (
     three_of,
 )
 from magsplice._magpylib.collection import to_magpylib
+from magsplice._parts import Parts
 from magsplice._points import coordinates, flattened, shaped, tolerance_of
 from magsplice._recoil import Recoil, RecoilEstimate
 from magsplice._report import VIEW_PX, Page, Report, film_html, view_html
@@ -969,6 +970,22 @@ class Film(Assembly):
         if client is None:
             return front_of(least_amplitudes, [search() for search in searches])
         return front_of(least_amplitudes, _cluster.gathered(client, searches))
+
+    def parts(self, kerf_mm: float | None = None) -> Parts:
+        """Bill of materials: how many identical pieces of each part, as in ``magsplice tiles``.
+
+        Parameters
+        ----------
+        kerf_mm : float, optional
+            Width of material that a cut removes, from 0 to 100 mm; adds the area of sheet and the
+            length of bar of each part.
+
+        Raises
+        ------
+        ValueError
+            If `kerf_mm` is out of range.
+        """
+        return Parts(_magsplice.parts(self, None if kerf_mm is None else float(kerf_mm)))
 
     def report(self, *, outlines: bool = False, within: float | str | None = None) -> Report:
         """Figures of the film and one HTML page, as in ``magsplice report``.
