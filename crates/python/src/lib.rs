@@ -20,6 +20,8 @@ mod check;
 mod diagnosis;
 /// Numbers of a film: comparison and decoupling.
 mod evaluation;
+/// Experiments that move the film.
+mod experiment;
 /// Python exceptions for the errors of the library.
 mod exceptions;
 /// The film for the workshop.
@@ -66,6 +68,8 @@ mod _magsplice {
     use crate::diagnosis::diagnose;
     #[pymodule_export]
     use crate::evaluation::{compare, decouple};
+    #[pymodule_export]
+    use crate::experiment::experiment;
     #[pymodule_export]
     use crate::export::parts;
     #[pymodule_export]

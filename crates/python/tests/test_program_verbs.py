@@ -1,7 +1,48 @@
 """What the verbs of the program give."""
 
+import numpy as np
 import polars
 import pytest
+
+import magsplice
+
+#: 1 N/mm in shear and 2 N/mm normal to the film.
+LAYER = {"area_mm2": 1, "thickness_mm": 1, "youngs_modulus_mpa": 2, "poisson_ratio": 0}
+
+
+def test_experiments_find_the_displacement(published):
+    found = published.replace(elastomer=LAYER).experiment()
+    assert found.film_mm.shape == (found.readings, 3)
+    np.testing.assert_allclose(found.found_mm, found.film_mm, atol=1e-6)
+    np.testing.assert_allclose(found.force_n, found.film_mm * (1, 1, 2), atol=1e-12)
+    assert not found.saturated.any()
+    table = polars.DataFrame(found)
+    assert table.columns[:4] == ["step", "film_dx_mm", "film_dy_mm", "film_dz_mm"]
+    assert table["bx_t"].to_list() == found.reading_t[:, 0].tolist()
+    bare = published.experiment(1.0)
+    assert bare.force_n is None
+    assert bare.readings < found.readings
+    turned = published.experiment(1.0, rotation_deg=(0, 1, 0), bend_radius_mm=100)
+    assert not np.allclose(turned.reading_t, bare.reading_t, rtol=1e-3)
+    flat = published.experiment(1.0, heights_mm=[[x, y, 0] for x in (-20, 20) for y in (-20, 20)])
+    np.testing.assert_allclose(flat.reading_t, bare.reading_t, rtol=1e-9)
+
+
+def test_experiments_refuse_impossible_films(published):
+    with pytest.raises(magsplice.MagspliceError, match="no noise"):
+        published.experiment(seed=1)
+    noisy = published.replace(sensor={"noise_ut": 5.0})
+    one, again = (noisy.experiment(seed=1) for _ in range(2))
+    assert np.array_equal(one.reading_t, again.reading_t)
+    assert not np.array_equal(one.reading_t, noisy.experiment(seed=2).reading_t)
+    with pytest.raises(ValueError, match="impossible"):
+        published.experiment(bend_radius_mm=0.1)
+    with pytest.raises(ValueError, match="both given"):
+        published.experiment(bend_radius_mm=100, heights_mm=[[0, 0, 0]])
+    with pytest.raises(ValueError, match="bend_along = 'z', must be one of"):
+        published.experiment(bend_radius_mm=100, bend_along="z")
+    with pytest.raises(magsplice.MagspliceError, match="each must be above 0"):
+        published.experiment(0.0)
 
 
 def test_bills_of_materials_count_pieces(published):

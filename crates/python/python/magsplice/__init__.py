@@ -39,6 +39,8 @@ Film.forces
     Forces of the tiles on each other, and placement orders.
 Film.read, Film.resolution
     Displacements and forces from readings of a Hall sensor.
+Film.experiment
+    Readings of a sensor while the film moves.
 Film.parts
     The bill of materials.
 Film.assign
@@ -62,6 +64,7 @@ from magsplice._budget import Budget, BudgetPart, Improvement
 from magsplice._check import Check, Outcome
 from magsplice._comparison import Comparison, Decoupling
 from magsplice._diagnosis import Diagnosis, ExcludedReadings, FaultyTile, SensorPlacement
+from magsplice._experiment import Experiment
 from magsplice._figures import Estimate, Figures, Statistics
 from magsplice._film import Assignment, Design, Film, Front
 from magsplice._forces import Forces, PlacementOrder
@@ -96,6 +99,7 @@ __all__ = [
     "Diagnosis",
     "Estimate",
     "ExcludedReadings",
+    "Experiment",
     "FaultyTile",
     "Figure",
     "Figures",

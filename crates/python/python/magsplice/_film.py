@@ -29,6 +29,7 @@ from magsplice._budget import Budget
 from magsplice._check import Check, read_baseline
 from magsplice._comparison import Comparison, Decoupling
 from magsplice._diagnosis import Diagnosis, Unknown
+from magsplice._experiment import Experiment, bend_of
 from magsplice._figures import Statistics
 from magsplice._forces import Forces, steps_of
 from magsplice._layout import (
@@ -43,6 +44,7 @@ from magsplice._layout import (
     Volume,
     table_of,
     three_of,
+    vector,
 )
 from magsplice._magpylib.collection import to_magpylib
 from magsplice._parts import Parts
@@ -739,6 +741,60 @@ class Film(Assembly):
             None if rest is None else at_rest("rest", rest),
         )
         return Readings(numbers, **shaped(more, shape))
+
+    def experiment(
+        self,
+        step_mm: float | Sequence[float] = (0.5, 0.5, 1.0),
+        *,
+        seed: int | None = None,
+        shift_mm: Sequence[float] = (0.0, 0.0, 0.0),
+        rotation_deg: Sequence[float] = (0.0, 0.0, 0.0),
+        bend_radius_mm: float | None = None,
+        bend_along: Literal["x", "y"] = "x",
+        heights_mm: ArrayLike | None = None,
+    ) -> Experiment:
+        """Readings of the sensor while the film moves, as in ``magsplice experiment``.
+
+        The film moves by multiples of a step along x, then y, then z, as far as the sensor stays in
+        the working volume (Dai 2024, Fig. 9). The film that moves may differ from the layout: it
+        may be bent, then turned about its centre, then shifted.
+
+        Parameters
+        ----------
+        step_mm : float or (x, y, z)
+            Step along each axis, in millimetres.
+        seed : int, optional
+            Seed of the noise of ``[sensor]``. Default: readings without noise.
+        shift_mm : (x, y, z)
+            Shift of the film, in millimetres.
+        rotation_deg : (x, y, z)
+            Rotation vector of the film, in degrees.
+        bend_radius_mm : float, optional
+            Bending radius, in millimetres; with a positive radius the ends of the film rise away
+            from the sensor. Default: flat.
+        bend_along : {"x", "y"}
+            Axis along which the film is bent.
+        heights_mm : array_like of shape (..., 3), optional
+            Heights of the film above its flat shape as points x, y, z on a full grid, in
+            millimetres. Excludes `bend_radius_mm`.
+
+        Raises
+        ------
+        ValueError
+            If the film cannot have this shape.
+        MagspliceError
+            If the layout has no working volume, or no noise for `seed`, a step is not above 0 or
+            makes more than 100 000 steps, or the sensor cannot read the field.
+        """
+        numbers, quantities = _magsplice.experiment(
+            self,
+            vector("step_mm", np.broadcast_to(np.asarray(step_mm, dtype=float), 3)),
+            None if seed is None else whole("seed", seed, 0),
+            vector("shift_mm", shift_mm),
+            vector("rotation_deg", rotation_deg),
+            bend_of(bend_radius_mm, bend_along, heights_mm),
+        )
+        return Experiment(numbers, quantities)
 
     def resolution(
         self,

@@ -20,6 +20,7 @@ __all__ = [
     "decouple",
     "design",
     "diagnose",
+    "experiment",
     "forces",
     "grid_axes",
     "joined",
@@ -127,6 +128,14 @@ def decouple(film: Film, points: _Floats | None, within: _Within) -> tuple[_Resu
 def check(film: Film, baseline: tuple[_Floats, _Floats] | str | None = None) -> _Result: ...
 def recoil(film: Film) -> tuple[_Result, _Result] | None: ...
 def recoil_estimate(film: Film, mu_r: float) -> _Result | None: ...
+def experiment(
+    film: Film,
+    step_mm: _Vector,
+    seed: int | None,
+    shift_mm: _Vector,
+    rotation_deg: _Vector,
+    bend: tuple[int, float] | _Floats | None,
+) -> tuple[_Result, dict[str, tuple[list[str], _Floats]]]: ...
 def samples(
     film: Film,
     preset: str | None,
