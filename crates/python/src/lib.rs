@@ -24,7 +24,7 @@ mod evaluation;
 mod experiment;
 /// Python exceptions for the errors of the library.
 mod exceptions;
-/// The film for the workshop.
+/// The film for the workshop and for firmware.
 mod export;
 /// A layout with its prepared tiles.
 mod film;
@@ -71,7 +71,7 @@ mod _magsplice {
     #[pymodule_export]
     use crate::experiment::experiment;
     #[pymodule_export]
-    use crate::export::parts;
+    use crate::export::{c_header, parts};
     #[pymodule_export]
     use crate::film::{Film, layout_text};
     #[pymodule_export]

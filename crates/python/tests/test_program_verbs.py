@@ -57,3 +57,13 @@ def test_bills_of_materials_count_pieces(published):
     assert polars.DataFrame(bill)["count"].to_list() == [16, 24, 16]
     with pytest.raises(ValueError, match="kerf_mm = -1, must be a number of mm from 0 to 100"):
         published.parts(kerf_mm=-1)
+
+
+def test_headers_are_for_firmware(published):
+    header = published.c_header()
+    assert published.sha256 in header
+    assert "#include <math.h>" in header
+    with pytest.raises(ValueError, match="error_mm = 0, must be above 0"):
+        published.c_header(0)
+    with pytest.raises(magsplice.MagspliceError, match=r"no \[volume\]"):
+        published.replace(volume=None, design=None, expect=None).c_header()

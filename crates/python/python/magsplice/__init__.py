@@ -39,8 +39,8 @@ Film.forces
     Forces of the tiles on each other, and placement orders.
 Film.read, Film.resolution
     Displacements and forces from readings of a Hall sensor.
-Film.experiment
-    Readings of a sensor while the film moves.
+Film.experiment, Film.c_header
+    Readings of a sensor while the film moves, and a function for firmware.
 Film.parts
     The bill of materials.
 Film.assign

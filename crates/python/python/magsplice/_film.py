@@ -1043,6 +1043,28 @@ class Film(Assembly):
         """
         return Parts(_magsplice.parts(self, None if kerf_mm is None else float(kerf_mm)))
 
+    def c_header(self, error_mm: float = 0.005) -> str:
+        """Header of C99 for firmware: a function from a reading to the displacement of the sensor.
+
+        As in ``magsplice export --to c-header``.
+
+        Parameters
+        ----------
+        error_mm : float
+            Largest error of the displacement over the working volume, in millimetres.
+
+        Raises
+        ------
+        ValueError
+            If `error_mm` is not above 0.
+        MagspliceError
+            If the layout has no working volume, the sensor cannot read the field, or no polynomial
+            has this error.
+        """
+        if not 0 < error_mm < np.inf:
+            raise ValueError(f"error_mm = {error_mm}, must be above 0 and finite")
+        return _magsplice.c_header(self, float(error_mm))
+
     def report(self, *, outlines: bool = False, within: float | str | None = None) -> Report:
         """Figures of the film and one HTML page, as in ``magsplice report``.
 
