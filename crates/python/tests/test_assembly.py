@@ -145,3 +145,25 @@ def test_replaced_keys_leave_the_others_of_a_table(published):
     workshop = published.replace(tolerance={"preset": "workshop"})
     again = workshop.replace(tolerance={"size_mm": 0.5}).replace(tolerance={"preset": "workshop"})
     assert again.to_dict()["tolerance"] == workshop.to_dict()["tolerance"]
+
+
+def test_sweeps_are_tables(published):
+    sweep = published.sweep("volume.step_mm", [1.0, 0.5])
+    columns = sweep.columns()
+    assert columns["volume.step_mm"].tolist() == [1.0, 0.5]
+    expected = [published.replace(volume={"step_mm": s}).decouple() for s in (1.0, 0.5)]
+    assert columns["displacement_rmse_mm.x"].tolist() == [
+        found.displacement_rmse_mm.x for found in expected
+    ]
+    assert "volume.step_mm" in str(sweep).splitlines()[0]
+
+    def gap(film, gap_mm):
+        return film + film.rotated((180, 0, 0)).moved((0, 0, -gap_mm))
+
+    sweep = PAD.sweep(gap, [6, 7], lambda film: film.b([0, 0, -3])[2])
+    assert list(sweep.columns()) == ["gap", "result"]
+    assert sweep.results == [gap(PAD, 6).b([0, 0, -3])[2], gap(PAD, 7).b([0, 0, -3])[2]]
+    assert len(sweep.films[0]) == 4
+    assert "<table>" in sweep._repr_html_()
+    with pytest.raises(magsplice.LayoutError, match="volum"):
+        published.sweep("volum.step_mm", [1])

@@ -43,6 +43,8 @@ Film.experiment, Film.c_header
     Readings of a sensor while the film moves, and a function for firmware.
 Film.parts
     The bill of materials.
+Film.sweep
+    Results for several values of a parameter.
 Film.assign
     The place and orientation of each measured tile.
 Film.diagnose
@@ -79,6 +81,7 @@ from magsplice._results import PerAxis, PerParameter, Result
 from magsplice._samples import SampledFilm, Samples, statistics
 from magsplice._search import Metrics
 from magsplice._sensor import Readings
+from magsplice._sweep import Sweep
 from magsplice.errors import (
     LayoutError,
     LayoutFault,
@@ -136,6 +139,7 @@ __all__ = [
     "SensorPlacement",
     "Shim",
     "Statistics",
+    "Sweep",
     "Tile",
     "Tiles",
     "Volume",

@@ -56,6 +56,7 @@ from magsplice._samples import Preset, Samples
 from magsplice._search import MadeFilms, Metrics, SearchStage
 from magsplice._sensor import Readings, at_rest, noise_of
 from magsplice._source import OfFilm
+from magsplice._sweep import Sweep, values_of
 from magsplice.errors import LayoutError, MagspliceError
 
 if TYPE_CHECKING:
@@ -1027,6 +1028,39 @@ class Film(Assembly):
             return front_of(least_amplitudes, [search() for search in searches])
         return front_of(least_amplitudes, _cluster.gathered(client, searches))
 
+    def sweep(
+        self,
+        parameter: str | Callable[[Film, Any], Film],
+        values: Iterable[Any],
+        result: Callable[[Film], Any] | None = None,
+    ) -> Sweep[Film]:
+        """Results of the film for several values of a parameter. A table of the results.
+
+        Parameters
+        ----------
+        parameter : str or callable
+            Key of a layout file with its table, such as ``"volume.step_mm"``; or a function of the
+            film and a value that returns a film.
+        values : iterable
+            The values.
+        result : callable, optional
+            A function of a film that returns a result, such as ``Film.compare``, or a number, or a
+            dictionary of numbers. Default: ``Film.decouple``.
+
+        Examples
+        --------
+        >>> film.sweep("material.recoil_permeability", [1.0, 1.05, 1.1])  # doctest: +SKIP
+        >>> def gap(film, gap_mm):
+        ...     return film + film.rotated((180, 0, 0)).moved((0, 0, -gap_mm))
+        >>> film.sweep(gap, [6, 7, 8], lambda pair: pair.b([0, 0, -3])[2])  # doctest: +SKIP
+        """
+        if callable(parameter):
+            change, name = parameter, getattr(parameter, "__name__", "parameter")
+        else:
+            change, name = partial(_with_key, key=parameter), parameter
+        of_film = Film.decouple if result is None else result
+        return values_of(name, list(values), lambda value: change(self, value), of_film)
+
     def parts(self, kerf_mm: float | None = None) -> Parts:
         """Bill of materials: how many identical pieces of each part, as in ``magsplice tiles``.
 
@@ -1121,6 +1155,12 @@ def _merged(name: str, before: Mapping[str, Any], table: Any) -> Any:
     if isinstance(table, Mapping) and isinstance(known, dict) and _PRESETS.get(name) not in table:
         return {**known, **table}
     return table
+
+
+def _with_key(film: Film, value: Any, *, key: str) -> Film:
+    """Film with another value of a key, such as ``volume.step_mm``."""
+    table, _, inner = key.partition(".")
+    return film.replace(**{table: {inner: value} if inner else value})
 
 
 def _of_tables(layout: Mapping[str, Any], folder: str | os.PathLike[str] | None) -> Film:

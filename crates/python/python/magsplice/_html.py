@@ -44,6 +44,16 @@ def rows_table(columns: dict[str, Any]) -> str:
     return f"<table><tr>{head}</tr>{body}</table>{more}"
 
 
+def rows_text(columns: dict[str, Any]) -> str:
+    """The first rows of columns as text, aligned."""
+    rows = list(zip(*columns.values(), strict=True))
+    cells = [list(columns), *([digits(value) for value in row] for row in rows[:_MOST_ROWS])]
+    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
+    lines = ["  ".join(map(str.rjust, row, widths)) for row in cells]
+    more = [f"{len(rows)} rows"] if len(rows) > _MOST_ROWS else []
+    return "\n".join([*lines, *more])
+
+
 def frame(page: str, height_px: int) -> str:
     """Page in its own frame, isolated from the document around it."""
     return (
