@@ -1,7 +1,7 @@
 //! Figures and pages.
 
 use magsplice::layout::Layout;
-use magsplice_report::{FilmSamples, PrintedResults, Report, SvgText, layout_figure};
+use magsplice_report::{Drawing, FilmSamples, PrintedResults, Report, SvgText};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
@@ -40,8 +40,18 @@ pub(crate) fn report<'py>(
     let svg = if outlines { SvgText::Outlines } else { SvgText::Text };
     let report = detached(py, || Report::new(&evaluated, samples, results, svg))?;
     let Report { figures, html, absent, .. } = report.map_err(failed)?;
-    let figures = figures.into_iter().map(|f| (f.name, f.caption, f.svg, PyBytes::new(py, &f.png), f.csv));
-    Ok((figures.collect(), html, absent))
+    Ok((figures.into_iter().map(|drawn| figure(py, drawn)).collect(), html, absent))
+}
+
+fn figure(py: Python<'_>, Drawing { name, caption, svg, png, csv, .. }: Drawing) -> Figure<'_> {
+    (name, caption, svg, PyBytes::new(py, &png), csv)
+}
+
+/// The tiles from above.
+#[pyfunction]
+pub(crate) fn layout_figure<'py>(py: Python<'py>, film: &Film) -> PyResult<Figure<'py>> {
+    let drawn = detached(py, || magsplice_report::layout_figure(&film.layout, SvgText::Text))?;
+    Ok(figure(py, drawn.map_err(failed)?))
 }
 
 /// The page with the tiles alone: their picture, and a rotatable view.
@@ -58,5 +68,7 @@ pub(crate) fn view(py: Python<'_>, film: &Film) -> PyResult<String> {
 /// The tiles from above as SVG, with text as outlines.
 #[pyfunction]
 pub(crate) fn layout_svg(py: Python<'_>, film: &Film) -> PyResult<String> {
-    detached(py, || layout_figure(&film.layout, SvgText::Outlines).map(|figure| figure.svg).map_err(failed))?
+    detached(py, || {
+        magsplice_report::layout_figure(&film.layout, SvgText::Outlines).map(|figure| figure.svg).map_err(failed)
+    })?
 }

@@ -1,4 +1,4 @@
-"""What the verbs of the program give."""
+"""What the verbs `experiment`, `tiles`, `export` and `report` give, and figures."""
 
 import numpy as np
 import polars
@@ -67,3 +67,14 @@ def test_headers_are_for_firmware(published):
         published.c_header(0)
     with pytest.raises(magsplice.MagspliceError, match=r"no \[volume\]"):
         published.replace(volume=None, design=None, expect=None).c_header()
+
+
+def test_figures_need_no_matplotlib(published):
+    layout = published.plot()
+    assert layout._repr_svg_().startswith("<")
+    assert layout._repr_png_() == layout.png
+    assert layout.png.startswith(b"\x89PNG")
+    assert layout.name == "layout"
+    bare = magsplice.Film(published.tiles, name="bare")
+    with pytest.raises(ValueError, match="figure = 'picture', must be one of \"layout\""):
+        bare.plot("picture")

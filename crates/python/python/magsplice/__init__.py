@@ -51,8 +51,8 @@ Film.diagnose
     Faulty tiles of a film as made, from a scan of its field.
 Film.design, Film.front
     Better films.
-Film.report, Film.view, magsplice.plot
-    Figures: files, a page, matplotlib.
+Film.plot, Film.report, Film.view, magsplice.plot
+    Figures: SVG and PNG, a page, matplotlib.
 getB, getH, from_magpylib, Film.to_magpylib
     Cuboids of magpylib.
 

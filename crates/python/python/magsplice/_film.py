@@ -50,7 +50,7 @@ from magsplice._magpylib.collection import to_magpylib
 from magsplice._parts import Parts
 from magsplice._points import coordinates, flattened, shaped, tolerance_of
 from magsplice._recoil import Recoil, RecoilEstimate
-from magsplice._report import VIEW_PX, Page, Report, film_html, view_html
+from magsplice._report import VIEW_PX, Figure, Page, Report, film_html, view_html
 from magsplice._results import Result, key
 from magsplice._samples import Preset, Samples
 from magsplice._search import MadeFilms, Metrics, SearchStage
@@ -1098,6 +1098,28 @@ class Film(Assembly):
         if not 0 < error_mm < np.inf:
             raise ValueError(f"error_mm = {error_mm}, must be above 0 and finite")
         return _magsplice.c_header(self, float(error_mm))
+
+    def plot(self, figure: str = "layout") -> Figure:
+        """A figure of the film as SVG and PNG, which a notebook shows. It needs no matplotlib.
+
+        Parameters
+        ----------
+        figure : str
+            ``"layout"``, the tiles from above, or another name in ``film.report().figures``.
+
+        Raises
+        ------
+        ValueError
+            If the report of the film has no such figure.
+
+        Examples
+        --------
+        >>> Path("film.png").write_bytes(film.plot().png)  # doctest: +SKIP
+        """
+        if figure == "layout":
+            return Figure(*_magsplice.layout_figure(self))
+        one_of("figure", figure, figures := self.report().figures)
+        return figures[figure]
 
     def report(self, *, outlines: bool = False, within: float | str | None = None) -> Report:
         """Figures of the film and one HTML page, as in ``magsplice report``.

@@ -21,7 +21,7 @@ _ONLY_VIEW = "header, main > section:not(:first-child) { display: none }"
 
 
 class Figure(NamedTuple):
-    """A figure of a report. A notebook shows its SVG.
+    """A figure of a film. A notebook shows it.
 
     Attributes
     ----------
@@ -45,6 +45,9 @@ class Figure(NamedTuple):
 
     def _repr_svg_(self) -> str:
         return self.svg
+
+    def _repr_png_(self) -> bytes:
+        return self.png
 
     def __repr__(self) -> str:
         return f"<magsplice.Figure {self.name!r}: {self.caption}>"
