@@ -93,5 +93,5 @@ pub use search::made_films::MadeFilms;
 pub use search::metrics::Metrics;
 pub use search::search_result::{SearchResult, StageMetrics};
 pub use search::shortfall::Shortfall;
-pub use splice::SpliceRequest;
+pub use splice::{SpliceRequest, distances_of};
 pub use splice_fault::SpliceFault;

@@ -51,6 +51,11 @@ pub struct SpliceRequest {
 /// Points of the working volume along each axis.
 const POINTS: [usize; 3] = [9, 9, 5];
 
+/// The distances below the film of an interval of distances or, where both ends are negative, of z.
+pub fn distances_of([one, other]: [f64; 2]) -> [f64; 2] {
+    if one < 0.0 && other < 0.0 { [(-one).min(-other), (-one).max(-other)] } else { [one, other] }
+}
+
 impl SpliceRequest {
     /// A film of this wavelength and extent along x and y, with the defaults of `magsplice splice`:
     /// lengths in fractions of the wavelength, rounded to four digits.

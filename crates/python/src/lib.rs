@@ -20,10 +20,10 @@ mod check;
 mod diagnosis;
 /// Numbers of a film: comparison and decoupling.
 mod evaluation;
-/// Experiments that move the film.
-mod experiment;
 /// Python exceptions for the errors of the library.
 mod exceptions;
+/// Experiments that move the film.
+mod experiment;
 /// The film for the workshop and for firmware.
 mod export;
 /// A layout with its prepared tiles.
@@ -87,7 +87,7 @@ mod _magsplice {
     #[pymodule_export]
     use crate::scene::{Scene, grid_axes};
     #[pymodule_export]
-    use crate::search::{design, splice};
+    use crate::search::{design, pattern};
 
     #[pymodule_export]
     use crate::vectors::shifted;

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 use std::sync::{Mutex, PoisonError};
 
-use magsplice::design::{DesignProblem, ProgressUpdate, SpliceRequest};
+use magsplice::design::{DesignProblem, ProgressUpdate, SpliceRequest, distances_of};
 use magsplice::layout::{Brief, Goal};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -14,16 +14,15 @@ use crate::interruption::Interruption;
 use crate::results::dictionary;
 use crate::threads::detached;
 
-/// Name and version in the history of layouts.
-const PROGRAM: &str = concat!("magsplice ", env!("CARGO_PKG_VERSION"), " design");
-
 /// Searches for a better film under the table [design] of the layout, or with another smallest
-/// amplitude. `progress` is called with stage, finished items, number of items and best error.
+/// amplitude. `is_spliced` is whether the layout is that [`pattern`]. `progress` is called with
+/// stage, finished items, number of items and best error.
 #[pyfunction]
 pub(crate) fn design<'py>(
     py: Python<'py>,
     film: &Film,
     least_amplitude: Option<f64>,
+    is_spliced: bool,
     progress: Option<Bound<'py, PyAny>>,
 ) -> PyResult<(Bound<'py, PyDict>, String)> {
     let layout = &film.layout;
@@ -48,13 +47,18 @@ pub(crate) fn design<'py>(
         _ => Ok(()),
     };
     let result = interruption.run_and_tell(py, search, tell)?.map_err(failed)?;
-    Ok((dictionary(py, &result)?, problem.designed_layout(&result, PROGRAM).to_compact_toml()))
+    let program = concat!("magsplice ", env!("CARGO_PKG_VERSION"));
+    let found = match is_spliced {
+        true => problem.spliced_layout(&result, &format!("{program} splice")),
+        false => problem.designed_layout(&result, &format!("{program} design")),
+    };
+    Ok((dictionary(py, &result)?, found.to_compact_toml()))
 }
 
 /// The start layout of a search, as TOML. Lengths are in millimetres.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "Python passes them by name")]
-pub(crate) fn splice(
+pub(crate) fn pattern(
     wavelength_mm: f64,
     film_mm: [f64; 2],
     thickness_mm: Option<f64>,
@@ -77,7 +81,7 @@ pub(crate) fn splice(
         thickness_mm: thickness_mm.unwrap_or(default.thickness_mm),
         remanence_t,
         range_mm: range_mm.unwrap_or(default.range_mm),
-        distance_mm: distance_mm.unwrap_or(default.distance_mm),
+        distance_mm: distance_mm.map_or(default.distance_mm, distances_of),
         smallest_cut_mm: smallest_cut_mm.unwrap_or(default.smallest_cut_mm),
         brief: Brief {
             gap_mm,

@@ -160,8 +160,9 @@ def test_sources_that_are_no_cuboids_are_named():
     for source in (None, "Cuboid"):
         with pytest.raises(TypeError, match="is no cuboid"):
             magsplice.getB(source, (0, 0, 0.1))
-    with pytest.raises(ValueError, match="starts = -1, must be at least 1"):
-        magsplice.splice(10, (20, 20), starts=-1)
+    for call in (magsplice.splice, magsplice.pattern):
+        with pytest.raises(ValueError, match="starts = -1, must be from 1 to 10000"):
+            call(10, (20, 20), starts=-1)
 
 
 def test_tolerances_are_those_of_the_program(published):

@@ -146,9 +146,10 @@ def test_fronts_leave_out_films_that_are_beaten_or_too_weak():
 
 
 def test_patterns_are_films_to_begin_with():
-    film = magsplice.splice(10, (20, 20))
+    film = magsplice.pattern(10, (20, 20))
     assert len(film) == 56
     assert film.to_dict()["design"]["goal"] == "displacement"
+    assert magsplice.pattern(10, (20, 20), distance_mm=(-5, -3)).volume.z_mm == (-5, -3)
     with pytest.raises(magsplice.MagspliceError, match="wavelength"):
         magsplice.splice(-1, (20, 20))
 

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
-use magsplice::design::{DesignProblem, SpliceRequest};
+use magsplice::design::{DesignProblem, SpliceRequest, distances_of};
 use magsplice::layout::{Brief, Goal};
 
 use super::design::search;
@@ -136,7 +136,5 @@ pub(crate) fn run(args: &SpliceArgs, quiet: bool) -> Result<u8, Failure> {
 
 /// The distances of an interval of distances or, where both are negative, of z.
 fn distance_mm(text: &str) -> Result<[f64; 2], String> {
-    let interval = interval_mm(text)?;
-    let [one, other] = interval.map(|z| -z);
-    Ok(if one > 0.0 && other > 0.0 { [one.min(other), one.max(other)] } else { interval })
+    interval_mm(text).map(distances_of)
 }

@@ -21,10 +21,12 @@ metres, like magpylib.
 
 First steps
 -----------
-load, loads, Film, splice
-    A film from a file, from text, from tiles or from a few numbers.
+load, loads, Film
+    A film from a file, from text or from tiles.
 Film.moved, Film.rotated, ``film + film``, ``film[:10]``
     Films with other tiles.
+splice, pattern
+    A film designed from a few numbers, and the film from which this search starts.
 Film.b, Film.h, Film.j, Film.gradient
     Its field at points or on a `Grid`, exact or within a tolerance.
 Film.compare, Film.decouple
@@ -71,7 +73,7 @@ from magsplice._figures import Estimate, Figures, Statistics
 from magsplice._film import Assignment, Design, Film, Front
 from magsplice._forces import Forces, PlacementOrder
 from magsplice._layout import Grid, Ideal, Lattice, Tile, Tiles, Volume
-from magsplice._load import from_magpylib, load, loads, splice
+from magsplice._load import from_magpylib, load, loads, pattern, splice
 from magsplice._magpylib.fields import getB, getH
 from magsplice._magsplice import __version__
 from magsplice._parts import Part, Parts
@@ -150,6 +152,7 @@ __all__ = [
     "getH",
     "load",
     "loads",
+    "pattern",
     "plot",
     "splice",
     "statistics",

@@ -997,7 +997,7 @@ class Film(Assembly):
         """
         if least_amplitude is not None and not 0 < least_amplitude < np.inf:
             raise ValueError(f"least_amplitude = {least_amplitude}, must be above 0 and finite")
-        numbers, text = _magsplice.design(self, least_amplitude, progress)
+        numbers, text = _magsplice.design(self, least_amplitude, False, progress)
         return Design(numbers, film=film_of_text(text, "the film found", self._source[-1]))
 
     def front(
@@ -1280,6 +1280,14 @@ class Design(Result):
     starts_that_agree: int = key("Number of starts with an error within a tenth of the best.")
     short_of: list[str] = key("Demands that the film does not meet. Empty if it meets all.")
     interrupted: bool = key("Always False: an interrupted search raises its exception.")
+
+
+def searched(
+    pattern: Film, progress: Callable[[str, int, int, float | None], Any] | None
+) -> Design:
+    """The film found from a pattern."""
+    numbers, text = _magsplice.design(pattern, None, True, progress)
+    return Design(numbers, film=film_of_text(text, "the film found", None))
 
 
 class Front(Table):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Literal
 
@@ -10,7 +11,8 @@ import numpy as np
 
 from magsplice import _findings, _magsplice
 from magsplice._arguments import whole
-from magsplice._film import Film, film_of_text
+from magsplice._assignment import MOST_STARTS
+from magsplice._film import Design, Film, film_of_text, searched
 from magsplice._layout import Tile
 from magsplice._magpylib.cuboids import Track, cuboids_of, in_mm
 
@@ -66,7 +68,7 @@ def _warned(film: Film) -> Film:
     return film
 
 
-def splice(
+def pattern(
     wavelength_mm: float,
     film_mm: tuple[float, float],
     *,
@@ -86,7 +88,7 @@ def splice(
 ) -> Film:
     """Start film of a design, from a few numbers: the pattern of Dai 2024, Fig. 5.
 
-    ``splice(10, (20, 20)).design()`` then searches, like ``magsplice splice``.
+    `splice` searches from this film.
 
     Parameters
     ----------
@@ -101,8 +103,8 @@ def splice(
     range_mm : (float, float), optional
         Extent of the working volume along x and y. Default: 0.4 wavelengths.
     distance_mm : (float, float), optional
-        Smallest and largest distance of the sensor below the film. Default: 0.3 and 0.5
-        wavelengths.
+        Smallest and largest distance of the sensor below the film, or its range along z, where both
+        are negative. Default: 0.3 and 0.5 wavelengths.
     smallest_cut_mm : float, optional
         Shortest side of a tile. Default: 0.08 wavelengths.
     gap_mm : float
@@ -121,12 +123,13 @@ def splice(
     Raises
     ------
     ValueError
-        If `starts` is below 1 or `seed` below 0.
+        If `starts` is not from 1 to 10 000, `parts` below 1, or `seed` below 0.
     MagspliceError
         If other numbers are out of range; the message lists all of them.
     """
-    starts, seed = whole("starts", starts, 1), whole("seed", seed, 0)
-    text = _magsplice.splice(
+    starts, seed = whole("starts", starts, 1, MOST_STARTS), whole("seed", seed, 0)
+    parts = None if parts is None else whole("parts", parts, 1)
+    text = _magsplice.pattern(
         wavelength_mm,
         film_mm,
         thickness_mm,
@@ -144,6 +147,45 @@ def splice(
         seed,
     )
     return film_of_text(text, "the pattern", None)
+
+
+def splice(
+    wavelength_mm: float,
+    film_mm: tuple[float, float],
+    *,
+    progress: Callable[[str, int, int, float | None], Any] | None = None,
+    **request: Any,
+) -> Design:
+    """Film designed without a layout to start from, as ``magsplice splice`` does.
+
+    The search starts from the `pattern`, with sizes, positions and directions of the tiles free.
+    It takes from seconds to minutes.
+
+    Parameters
+    ----------
+    wavelength_mm : float
+        Wavelength of the ideal film, in millimetres.
+    film_mm : (float, float)
+        Extent of the film along x and y, in millimetres, at least 5/6 of the wavelength.
+    progress : callable, optional
+        As in `Film.design`.
+    **request
+        Other arguments of `pattern`: ``thickness_mm``, ``range_mm``, ``distance_mm``, ``parts``,
+        ``goal``, ...
+
+    Returns
+    -------
+    Design
+        ``splice(10, (20, 20)).film`` is the film.
+
+    Raises
+    ------
+    ValueError
+        As `pattern`.
+    MagspliceError
+        As `pattern`, or if no film keeps the demands.
+    """
+    return searched(pattern(wavelength_mm, film_mm, **request), progress)
 
 
 def from_magpylib(sources: Any, *, name: str | None = None, **tables: Any) -> Film:

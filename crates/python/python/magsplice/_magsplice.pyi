@@ -30,6 +30,7 @@ __all__ = [
     "layout_text",
     "moved",
     "parts",
+    "pattern",
     "read",
     "recoil",
     "recoil_estimate",
@@ -40,7 +41,6 @@ __all__ = [
     "samples",
     "selected",
     "shifted",
-    "splice",
     "statistics",
     "view",
 ]
@@ -130,14 +130,6 @@ def decouple(film: Film, points: _Floats | None, within: _Within) -> tuple[_Resu
 def check(film: Film, baseline: tuple[_Floats, _Floats] | str | None = None) -> _Result: ...
 def recoil(film: Film) -> tuple[_Result, _Result] | None: ...
 def recoil_estimate(film: Film, mu_r: float) -> _Result | None: ...
-def experiment(
-    film: Film,
-    step_mm: _Vector,
-    seed: int | None,
-    shift_mm: _Vector,
-    rotation_deg: _Vector,
-    bend: tuple[int, float] | _Floats | None,
-) -> tuple[_Result, dict[str, tuple[list[str], _Floats]]]: ...
 def samples(
     film: Film,
     preset: str | None,
@@ -185,6 +177,7 @@ def diagnose(
 def design(
     film: Film,
     least_amplitude: float | None,
+    is_spliced: bool,
     progress: Callable[[str, int, int, float | None], Any] | None,
 ) -> tuple[_Result, str]: ...
 def report(
@@ -199,7 +192,15 @@ def selected(film: Film, indices: list[int]) -> str: ...
 def joined(film: Film, other: Film) -> str: ...
 def parts(film: Film, kerf_mm: float | None) -> _Result: ...
 def c_header(film: Film, error_mm: float) -> str: ...
-def splice(
+def experiment(
+    film: Film,
+    step_mm: _Vector,
+    seed: int | None,
+    shift_mm: _Vector,
+    rotation_deg: _Vector,
+    bend: tuple[int, float] | _Floats | None,
+) -> tuple[_Result, dict[str, tuple[list[str], _Floats]]]: ...
+def pattern(
     wavelength_mm: float,
     film_mm: tuple[float, float],
     thickness_mm: float | None,
