@@ -221,3 +221,19 @@ def test_tables_are_taken_without_a_copy(published):
         rows = polars.DataFrame(result)
         assert rows.columns == list(result.columns())
         assert rows.height == len(next(iter(result.columns().values())))
+
+
+def test_results_print_names_and_units(published):
+    lines = dict(line.split(maxsplit=1) for line in str(published.decouple()).splitlines())
+    assert lines["displacement_rmse_mm"] == "x 0.242179, y 0.242179, z 0.315793 mm"
+    assert lines["uniformity_rmse"] == "r_x 0.0628716, r_y 0.0628716, s_z 0.0398884"
+    assert lines["reference_mm"] == "x 0, y 0, z -5 mm"
+    # Few samples leave an end of the interval of a percentile open.
+    made = published.tolerance(5, preset="jig")
+    assert "inf" not in str(made.statistics)
+    assert "inf" not in repr(made.displacement_mm("x").p99)
+    figure = next(line for line in str(made.statistics).splitlines() if "rmse_mm.x" in line)
+    assert figure.endswith(" mm")
+    assert "nominal 0.242179, mean" in figure
+    assert "mm2" in str(published.budget(20, preset="jig"))
+    assert str(published.parts(0.2)).count("part ") == 3

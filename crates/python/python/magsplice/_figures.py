@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Generic, TypeVar
 
-from magsplice._results import PerAxis, PerParameter, Result, key
+from magsplice._results import PerAxis, PerParameter, Result, estimate_text, key
 
 T = TypeVar("T")
 
@@ -26,7 +26,7 @@ class Estimate(Result):
         return self.interval[1]
 
     def __repr__(self) -> str:
-        return f"{self.value:.6g} ({self.low:.6g} .. {self.high:.6g})"
+        return estimate_text({"value": self.value, "interval": self.interval})
 
 
 class Statistics(Result):

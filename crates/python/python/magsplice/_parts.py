@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from typing import Any
+
 import numpy as np
 
 from magsplice._arrow import Column, Table, split
 from magsplice._layout import Vector
-from magsplice._results import Result, key
+from magsplice._results import Result, key, lines
 
 
 class Part(Result):
@@ -44,6 +47,14 @@ class Parts(Result, Table):
     name: str = key("Name of the film.")
     kerf_mm: float | None = key("Width of material that a cut removes, in millimetres, if given.")
     parts: list[Part] = key("The parts, largest first.", Part)
+
+    def _shown(self) -> Iterator[tuple[str, Any]]:
+        shown = {key: value for key, value in self.to_dict().items() if key in ("name", "kerf_mm")}
+        # The names of the tiles are in the table.
+        parts = [{**part, "tiles": part["count"]} for part in self.to_dict()["parts"]]
+        for part in parts:
+            del part["count"]
+        yield from lines({**shown, "parts": parts})
 
     def columns(self) -> dict[str, Column]:
         """Columns part, count, a_mm, b_mm, c_mm, strength_t, direction_deg, tilt_deg, tiles, ...

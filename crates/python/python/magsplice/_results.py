@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable, Iterator, Mapping
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from operator import itemgetter
 from typing import Any, TypeVar
 
@@ -113,19 +114,85 @@ class Result:
         return _html.number_table(self._shown())
 
     def _shown(self) -> Iterator[tuple[str, Any]]:
-        return _lines(self.__dict__["_json"])
+        return lines(self.__dict__["_json"])
 
 
-def _lines(numbers: Mapping[str, Any], place: str = "") -> Iterator[tuple[str, Any]]:
-    """Names and numbers. Numbers of inner dictionaries have both names."""
+def lines(numbers: Mapping[str, Any], place: str = "") -> Iterator[tuple[str, str]]:
+    """Names, and values with the names of their components and the unit of the name.
+
+    Numbers of inner dictionaries have both names.
+    """
     for name, value in numbers.items():
         if isinstance(value, dict):
-            inner = list(value.values())
-            if tuple(value) in _TUPLES and not any(isinstance(item, dict) for item in inner):
-                yield place + name, inner
-            else:
-                yield from _lines(value, f"{place}{name}.")
+            text = _shown_numbers(value)
+            if text is None:
+                yield from lines(value, f"{place}{name}.")
+                continue
         elif isinstance(value, list) and any(isinstance(item, dict) for item in value):
-            yield place + name, f"{len(value)} entries"
+            yield from _entries(place + name, value)
+            continue
+        elif isinstance(value, (list, tuple)) and len(value) == 3 and _are_numbers(value):
+            text = _shown_numbers(dict(zip("xyz", value, strict=True))) or ""
         else:
-            yield place + name, value
+            text = "none" if value is None else _html.digits(value)
+        # Inner names, such as x, have the unit of the outer one.
+        found = unit_of(name) or unit_of(place.rstrip("."))
+        yield place + name, f"{text} {found}" if found and text != "none" else text
+
+
+def _entries(name: str, items: list[dict[str, Any]]) -> Iterator[tuple[str, str]]:
+    """A line for each of a few entries: its numbers and texts."""
+    if len(items) > _MOST_ENTRIES:
+        yield name, f"{len(items)} entries"
+        return
+    for number, item in enumerate(items):
+        parts = [f"{text}" if key == "name" else f"{key} {text}" for key, text in lines(item)]
+        yield f"{name}[{number}]", "; ".join(parts)
+
+
+def _are_numbers(values: Iterable[Any]) -> bool:
+    return all(value is None or isinstance(value, (int, float)) for value in values)
+
+
+def _shown_numbers(value: Mapping[str, Any]) -> str | None:
+    """Text of components, of an estimate, or of statistics; None for other dictionaries."""
+    if tuple(value) in _TUPLES and not any(isinstance(item, dict) for item in value.values()):
+        return ", ".join(f"{name} {_html.digits(item)}" for name, item in value.items())
+    if set(value) == {"value", "interval"}:
+        return estimate_text(value)
+    if {"mean", "p50", "p95"} <= set(value):
+        of_films = [(name, item) for name, item in value.items() if name != "count"]
+        return ", ".join(
+            f"{name} {estimate_text(item) if isinstance(item, dict) else _html.digits(item)}"
+            for name, item in of_films
+        )
+    return None
+
+
+def estimate_text(found: Mapping[str, Any]) -> str:
+    """A value with its interval. An end that needs more samples is open."""
+    low, high = (float("nan" if end is None else end) for end in found["interval"])
+    ends = [f"{end:.6g}" if math.isfinite(end) else "" for end in (low, high)]
+    interval = f" ({' .. '.join(ends).strip()})" if any(ends) else ""
+    return f"{_html.digits(found['value'])}{interval}"
+
+
+#: Largest number of entries of a list that are printed.
+_MOST_ENTRIES = 12
+
+#: Units by the ends of names, longer ends first.
+_UNITS = {
+    "_per_mm": "1/mm",
+    "_n_mm": "N mm",
+    "_mm2": "mm2",
+    "_mm": "mm",
+    "_deg": "deg",
+    "_rad": "rad",
+    "_t": "T",
+    "_n": "N",
+}
+
+
+def unit_of(name: str) -> str:
+    """The unit at the end of a name; empty without one."""
+    return next((unit for end, unit in _UNITS.items() if name.endswith(end)), "")
