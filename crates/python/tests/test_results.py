@@ -237,3 +237,16 @@ def test_results_print_names_and_units(published):
     assert "nominal 0.242179, mean" in figure
     assert "mm2" in str(published.budget(20, preset="jig"))
     assert str(published.parts(0.2)).count("part ") == 3
+
+
+def test_splice_searches_from_the_pattern():
+    request = {"starts": 1, "goal": "field", "resolution_mm": 0.1}
+    calls = []
+    found = magsplice.splice(10, (10, 10), progress=lambda *call: calls.append(call), **request)
+    start = magsplice.pattern(10, (10, 10), **request)
+    assert found.after.displacement_rmse_mm.x < found.before.displacement_rmse_mm.x
+    assert found.film.history[0].startswith(f"magsplice {magsplice.__version__} splice: from")
+    assert len(found.film) == len(start)
+    assert start.history == []
+    with pytest.raises(TypeError, match="wavelength"):
+        magsplice.splice(10, (10, 10), wavelength=3)
