@@ -82,6 +82,8 @@ mod plausible;
 mod rotation;
 /// `[sensor]`: the sensor below the film.
 mod sensor;
+/// Parts of sensors, with their settings.
+mod sensor_part;
 /// The rule that tables come with the tables they need.
 mod tables_present;
 /// `[[tile]]`, `[kind.NAME]` and `[[lattice]]`.
@@ -115,6 +117,7 @@ pub use plausible::{
 };
 pub use rotation::{EulerOrder, InvalidEulerOrder, ORTHOGONALITY_TOLERANCE, Rotation, RotationFaults};
 pub use sensor::StatedSensor;
+pub use sensor_part::PartSetting;
 pub use tolerance::{
     CommonErrors, Distribution, ErrorGroup, FilmPose, FilmTolerance, Neighbour, Preset, SensorErrors, StrayField,
     Temperature, TileErrors,

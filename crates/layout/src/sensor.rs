@@ -4,22 +4,21 @@ use glam::{DQuat, DVec3};
 use magsplice_magnet::{Axis, HallSensor};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use toml::Table;
 
 use crate::error_unit::ErrorUnit;
 use crate::faults::{FINITE, NOT_NEGATIVE, POSITIVE, Rule, TableFaults};
 use crate::names::shown;
 use crate::one_or_three::OneOrThree;
 use crate::rotation::{Rotation, RotationTable};
-
-/// The numbers of the parts.
-const PARTS: &str = include_str!("sensor_parts.toml");
+use crate::sensor_part::{GAINS, Part, PartSetting, RESOLUTIONS};
 
 /// The sensor that a layout states.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StatedSensor {
     /// The part whose numbers it has where the layout gives no others.
     pub part: Option<String>,
+    /// The setting of the part, as written.
+    pub setting: Option<PartSetting>,
     /// Readings per second.
     pub rate_hz: Option<f64>,
     /// The rotation as written, from which the one of `element` was computed.
@@ -36,6 +35,12 @@ pub(crate) struct SensorTable {
     /// A part with known numbers: MLX90393, TLV493D, LIS3MDL or MMC5983MA. The keys beside it
     /// replace its numbers.
     part: Option<String>,
+    /// Register GAIN_SEL of an MLX90393, from 0 to 7. Default: 7, the highest gain.
+    gain_sel: Option<u8>,
+    /// Register RES of an MLX90393, from 0 to 3: one for all axes, or three. Default: 0.
+    res: Option<OneOrThree>,
+    /// Full scale of a LIS3MDL in gauss: 4, 8, 12 or 16. Default: 16.
+    full_scale_gauss: Option<u8>,
     /// Standard deviation of the noise of a reading, in microtesla: one for all axes, or three.
     /// Default: 0.
     noise_ut: Option<OneOrThree>,
@@ -74,6 +79,22 @@ pub(crate) struct PlatesTable {
     z: Option<[f64; 3]>,
 }
 
+impl StatedSensor {
+    /// The finest setting of the part whose range holds these readings in tesla, and this range.
+    /// The range must be larger than the sensor's along axes with a reading at its limit. `None`
+    /// without a part, and if no setting of the part has such a range.
+    pub fn setting_for<'r>(&self, readings_t: impl IntoIterator<Item = &'r DVec3>) -> Option<(PartSetting, DVec3)> {
+        let finite = readings_t.into_iter().filter(|reading| reading.is_finite());
+        let largest_t = finite.fold(DVec3::ZERO, |largest, reading| largest.max(reading.abs()));
+        let needed_t = DVec3::from(Axis::ALL.map(|axis| {
+            let (index, along) = (axis.index(), axis.unit());
+            let is_limited = self.element.is_saturated(largest_t * along);
+            if is_limited { largest_t[index].max(self.element.range_t[index]) } else { largest_t[index] }
+        }));
+        Part::named(self.part.as_deref()?)?.setting_for(needed_t)
+    }
+}
+
 /// A key with a number for each axis: its name, unit and rule, as it is written, and in memory.
 type AxisKey<'k> = (&'static str, ErrorUnit, Rule, &'k mut Option<OneOrThree>, &'k mut DVec3);
 
@@ -98,11 +119,13 @@ impl SensorTable {
     /// The sensor, or `None` after adding its faults.
     pub(crate) fn resolve(mut self, faults: &mut TableFaults) -> Option<StatedSensor> {
         let before = faults.count();
-        let part = self.part.as_deref().map_or_else(SensorTable::default, |name| part(name, faults));
+        let part = self.part.as_deref().map(|name| part(name, faults)).unwrap_or_default();
+        let setting = self.setting(&part, faults);
         self.noise_ut = self.noise_ut.or(part.noise_ut);
-        self.count_ut = self.count_ut.or(part.count_ut);
-        self.range_mt = self.range_mt.or(part.range_mt);
         let mut element = HallSensor::default();
+        if let Some(scale) = part.scale(setting.or(part.default_setting())) {
+            (element.count_t, element.range_t) = (scale.count_t, scale.range_t);
+        }
         for (name, unit, rule, written, value) in self.keys(&mut element) {
             let Some(written) = *written else { continue };
             written.check(name, rule, faults);
@@ -124,17 +147,70 @@ impl SensorTable {
         }
         element.rotation = rotation.map_or(DQuat::IDENTITY, |rotation| rotation.quaternion());
         let element = element.checked().map_err(|fault| faults.add(fault.to_string())).ok()?;
-        Some(StatedSensor { part: self.part, rate_hz, rotation, element })
+        Some(StatedSensor { part: self.part, setting, rate_hz, rotation, element })
+    }
+
+    /// The setting of the part as written. `None` without one, or after adding a fault.
+    fn setting(&self, part: &Part, faults: &mut TableFaults) -> Option<PartSetting> {
+        let default = part.default_setting();
+        let is_gain = matches!(default, Some(PartSetting::Gain { .. }));
+        let is_scale = matches!(default, Some(PartSetting::FullScale { .. }));
+        let value = |value: Option<u8>| value.map(|value| value.to_string());
+        for (key, value, is_of_part, owner) in [
+            ("gain_sel", value(self.gain_sel), is_gain, "MLX90393"),
+            ("res", self.res.map(|res| res.to_string()), is_gain, "MLX90393"),
+            ("full_scale_gauss", value(self.full_scale_gauss), is_scale, "LIS3MDL"),
+        ] {
+            if let Some(value) = value.filter(|_| !is_of_part) {
+                faults.add(format!("{key} = {value}, is a setting of part = \"{owner}\" only"));
+            }
+        }
+        match default? {
+            PartSetting::Gain { gain_sel, res } if self.gain_sel.is_some() || self.res.is_some() => {
+                let gain_sel = self.gain_sel.unwrap_or(gain_sel);
+                let is_kept = usize::from(gain_sel) < GAINS;
+                faults.require(is_kept, "gain_sel", gain_sel, "must be a whole number from 0 to 7");
+                let before = faults.count();
+                self.res.inspect(|res| res.check("res", RESOLUTION, faults));
+                let is_kept = is_kept && faults.count() == before;
+                // A number that keeps its rule is whole and small.
+                let res = self.res.map_or(res, |res| DVec3::from(res).to_array().map(|res| res as u8));
+                is_kept.then_some(PartSetting::Gain { gain_sel, res })
+            }
+            PartSetting::FullScale { .. } => {
+                let setting = PartSetting::FullScale { gauss: self.full_scale_gauss? };
+                let is_kept = part.scale(Some(setting)).is_some();
+                let gauss = self.full_scale_gauss.unwrap_or_default();
+                faults.require(is_kept, "full_scale_gauss", gauss, "must be 4, 8, 12 or 16");
+                is_kept.then_some(setting)
+            }
+            PartSetting::Gain { .. } => None,
+        }
     }
 }
 
+const RESOLUTION: Rule = Rule {
+    is_kept: |res| (0..RESOLUTIONS).any(|known| known as f64 == res),
+    words: "must be a whole number from 0 to 3",
+};
+
 /// The table of a sensor, with all numbers written out that a perfect one does not have.
 impl From<&StatedSensor> for SensorTable {
-    fn from(StatedSensor { part, rate_hz, rotation, element }: &StatedSensor) -> SensorTable {
+    fn from(StatedSensor { part, setting, rate_hz, rotation, element }: &StatedSensor) -> SensorTable {
         let mut perfect = HallSensor::default();
+        let (gain_sel, res, full_scale_gauss) = match *setting {
+            Some(PartSetting::Gain { gain_sel, res }) => {
+                (Some(gain_sel), Some(DVec3::from(res.map(f64::from)).into()), None)
+            }
+            Some(PartSetting::FullScale { gauss }) => (None, None, Some(gauss)),
+            None => (None, None, None),
+        };
         let [x, y, z] = element.plates.map(|place| (place != DVec3::ZERO).then(|| place.to_array()));
         let mut table = SensorTable {
             part: part.clone(),
+            gain_sel,
+            res,
+            full_scale_gauss,
             rate_hz: *rate_hz,
             rotation: rotation.map(Into::into),
             active_area_mm: (element.active_area != perfect.active_area).then_some(element.active_area),
@@ -152,30 +228,10 @@ impl From<&StatedSensor> for SensorTable {
 }
 
 /// The numbers of a part by its name, or none after adding a fault.
-fn part(name: &str, faults: &mut TableFaults) -> SensorTable {
-    let mut parts: Table = PARTS.parse().expect("the list of parts is TOML");
-    if let Some(part) = parts.remove(name) {
-        return part.try_into().expect("a part is a table of a sensor");
-    }
-    let known: Vec<&str> = parts.keys().map(String::as_str).collect();
-    faults.add(format!("part = \"{}\", must be one of: {}; or leave it out", shown(name), known.join(", ")));
-    SensorTable::default()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_part_obeys_the_rules() {
-        let parts: Table = PARTS.parse().unwrap();
-        assert_eq!(parts.len(), 4);
-        for (_, part) in parts {
-            let part: SensorTable = part.try_into().unwrap();
-            let all = [part.noise_ut, part.count_ut, part.range_mt].map(|numbers| DVec3::from(numbers.unwrap()));
-            assert!(all.iter().all(|values| values.cmpgt(DVec3::ZERO).all()) && part.rate_hz > Some(0.0));
-            // A count is finer than the range by more than ten bits.
-            assert!(all[1].cmplt(all[2]).all());
-        }
-    }
+fn part(name: &str, faults: &mut TableFaults) -> Part {
+    Part::named(name).unwrap_or_else(|| {
+        let known = Part::names().join(", ");
+        faults.add(format!("part = \"{}\", must be one of: {known}; or leave it out", shown(name)));
+        Part::default()
+    })
 }

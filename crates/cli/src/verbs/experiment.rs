@@ -18,6 +18,7 @@ use crate::output::{choice, table};
 use crate::remarks;
 use crate::session::{OF_SENSORS, Session};
 use crate::text::number::counted;
+use crate::words::larger_range;
 
 /// Move the film along x, y and z, and compute the readings of its sensor.
 ///
@@ -146,7 +147,10 @@ fn remark(session: &Session, found: &FilmExperiments) {
     let saturated = count(&|step| step.is_saturated);
     if saturated > 0 {
         let steps = counted(saturated, "step", "steps");
-        session.tell(&format!("{layout}: at {steps} the flux density exceeds the range of the sensor\n"));
+        let readings_t = found.all_steps().map(|step| &step.reading_t);
+        let larger = session.layout.sensor.as_ref().and_then(|sensor| larger_range(sensor, readings_t));
+        let larger = larger.unwrap_or_default();
+        session.tell(&format!("{layout}: at {steps} the flux density exceeds the range of the sensor{larger}\n"));
     }
     let lost = count(&|step| step.by_field.is_none() && !step.is_saturated);
     if lost > 0 {

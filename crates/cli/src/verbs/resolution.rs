@@ -17,6 +17,7 @@ use crate::session::{OF_SENSORS, Session};
 use crate::text::number::number;
 use crate::text::units::in_ut;
 use crate::text::{header, rows};
+use crate::words::range_of_setting;
 
 /// Compute the displacement resolution of a sensor with noise, over the working volume.
 ///
@@ -76,11 +77,12 @@ pub(super) fn text(resolution: &FilmResolution) -> String {
     }
     let saturated = resolution.saturated.iter().filter(|is_saturated| **is_saturated).count();
     if saturated > 0 {
-        let all = resolution.points;
+        let (all, larger) = (resolution.points, resolution.larger_range);
+        let larger = larger.map(range_of_setting).unwrap_or_default();
         let _ = writeln!(
             text,
             "out of range: the flux density exceeds the range of the sensor at {saturated} of {all} points, which are \
-             excluded below"
+             excluded below{larger}"
         );
     }
     text += "\n";

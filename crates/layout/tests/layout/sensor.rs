@@ -30,8 +30,39 @@ fn parts_have_numbers_that_keys_replace() {
 }
 
 #[test]
+fn parts_have_settings() {
+    let read = |keys: &str| with(&format!("[sensor]\n{keys}")).unwrap().sensor.unwrap();
+    let element = read("part = \"MLX90393\"\ngain_sel = 4\nres = [0, 1, 2]").element;
+    assert!((element.count_t - 1e-6 * DVec3::new(0.3, 0.601, 1.936)).length() < 1e-18, "{}", element.count_t);
+    let range_mt = DVec3::new(0.3 * 32.768, 0.601 * 32.768, 1.936 * 22.0);
+    assert!((1e3 * element.range_t - range_mt).length() < 1e-12, "{}", element.range_t);
+    // Keys replace the numbers of a setting; the default setting is the one without keys.
+    assert_eq!(read("part = \"MLX90393\"\ngain_sel = 4\nrange_mt = 3").element.range_t, DVec3::splat(3e-3));
+    let [default, stated] = ["", "\ngain_sel = 7"].map(|keys| read(&format!("part = \"MLX90393\"{keys}")));
+    assert_eq!((default.element, default.setting), (stated.element, None));
+    assert_eq!(read("part = \"LIS3MDL\"\nfull_scale_gauss = 4").element.range_t, DVec3::splat(0.4e-3));
+    // Readings of 1.5 times the range, and at the range.
+    let beyond = default.setting_for(&[1.5 * default.element.range_t, DVec3::NAN]).unwrap();
+    assert_eq!((beyond.0.to_string().as_str(), beyond.1.x > 7.3e-3), ("gain_sel = 5, res = 0", true));
+    let at_limit = default.setting_for(&[DVec3::new(0.0, -default.element.range_t.y, 1e-4)]).unwrap();
+    assert_eq!(at_limit.0.to_string(), "gain_sel = 6, res = 0");
+    assert_eq!(read("range_mt = 1").setting_for(&[DVec3::ONE]), None);
+    for (keys, message) in [
+        ("part = \"MLX90393\"\ngain_sel = 8", "sensor: gain_sel = 8, must be a whole number from 0 to 7"),
+        ("part = \"MLX90393\"\nres = [0, 1.5, 4]", "sensor: res[1] = 1.5, must be a whole number from 0 to 3"),
+        ("part = \"LIS3MDL\"\nfull_scale_gauss = 5", "sensor: full_scale_gauss = 5, must be 4, 8, 12 or 16"),
+        ("part = \"LIS3MDL\"\ngain_sel = 1", "sensor: gain_sel = 1, is a setting of part = \"MLX90393\" only"),
+        ("res = 1", "sensor: res = 1, is a setting of part = \"MLX90393\" only"),
+    ] {
+        assert!(refused(&format!("[sensor]\n{keys}")).contains(message), "{keys}");
+    }
+}
+
+#[test]
 fn both_tables_are_written_as_they_were_read() {
     for tables in [
+        "[sensor]\npart = \"MLX90393\"\ngain_sel = 3\nres = [1, 1, 2]\n",
+        "[sensor]\npart = \"LIS3MDL\"\nfull_scale_gauss = 8\n",
         "[sensor]\npart = \"TLV493D\"\noffset_ut = [1, -2, 0.3]\ngain = [1, 0.99, 1.013]\nactive_area_mm = [0.1, 0.2]\n\
          plates_mm = { x = [0.1, 0, 0], z = [0, 0.2, -0.3] }\nrotation = { axis = [0, 0, 1], angle_deg = 2 }\n\
          rate_hz = 12.5\nnoise_ut = 0\ncount_ut = [0.1, 0.2, 0.3]\nrange_mt = 3.3\n\

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use magsplice_decouple::{Branch, Parameters};
+use magsplice_layout::PartSetting;
 use magsplice_sensor::Noise;
 use serde::Serialize;
 
@@ -32,6 +33,10 @@ pub struct FilmResolution {
     /// Whether the reading is at the limit of the sensor's range.
     #[serde(skip)]
     pub saturated: Vec<bool>,
+    /// The setting of the sensor's part that holds all readings, and its range in tesla. `None` if
+    /// no reading is at the limit, or no setting holds them.
+    #[serde(skip)]
+    pub larger_range: Option<(PartSetting, DVec3)>,
     /// By the field of the layout.
     #[serde(skip)]
     pub by_field_mm: Vec<DVec3>,
@@ -81,6 +86,8 @@ impl Film {
         let gradient = sensed.gradients(&points).map_err(FilmError::Points)?;
         let readings_t = sensed.readings_t(&points).map_err(FilmError::Points)?;
         let saturated: Vec<bool> = readings_t.iter().map(|b| sensor.is_saturated(sensor.digitized_t(*b))).collect();
+        let stated = self.layout().sensor.as_ref().filter(|_| saturated.contains(&true));
+        let larger_range = stated.and_then(|sensor| sensor.setting_for(&readings_t));
         // A reading at the limit of the range gives no position.
         let seen = |index: usize, deviations: Option<DVec3>| {
             deviations.filter(|_| !saturated[index]).unwrap_or(DVec3::INFINITY)
@@ -105,6 +112,7 @@ impl Film {
             rate_hz: self.layout().sensor.as_ref().and_then(|sensor| sensor.rate_hz),
             places,
             saturated,
+            larger_range,
             by_field_mm,
             by_closed_form_mm,
         })
