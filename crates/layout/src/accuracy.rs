@@ -4,9 +4,29 @@ use magsplice_magnet::Tolerance;
 
 use crate::decimal;
 
-/// Flux densities in tesla: names of units and their powers of ten. Each unit stands before those
-/// that its name ends in. The two signs for micro look alike.
-pub const FLUX_DENSITY_UNITS: [(&str, i32); 6] = [("mT", -3), ("uT", -6), ("µT", -6), ("μT", -6), ("nT", -9), ("T", 0)];
+/// Flux densities in tesla: names of units, their powers of ten, and whether messages list them.
+/// Messages leave out second names. The two signs for micro look alike. An oersted is the field
+/// strength of one gauss in air.
+pub const FLUX_DENSITY_UNITS: [(&str, i32, bool); 18] = [
+    ("T", 0, true),
+    ("mT", -3, true),
+    ("uT", -6, true),
+    ("µT", -6, false),
+    ("μT", -6, false),
+    ("nT", -9, true),
+    ("G", -4, true),
+    ("Gs", -4, false),
+    ("gauss", -4, false),
+    ("mG", -7, true),
+    ("mGs", -7, false),
+    ("mgauss", -7, false),
+    ("kG", -1, true),
+    ("kGs", -1, false),
+    ("Oe", -4, true),
+    ("oersted", -4, false),
+    ("mOe", -7, true),
+    ("kOe", -1, true),
+];
 
 /// Fraction of |B| that is too large for a tolerance: it was probably meant as a field.
 const LARGEST_FRACTION: f64 = 0.1;
@@ -40,7 +60,7 @@ pub fn tolerance_of_text(text: &str) -> Result<Tolerance, String> {
         })?;
         return relative(fraction, number);
     }
-    let exponent = FLUX_DENSITY_UNITS.iter().find(|(name, _)| *name == unit).map(|(_, exponent)| *exponent);
+    let exponent = FLUX_DENSITY_UNITS.iter().find(|(name, ..)| *name == unit).map(|(_, exponent, _)| *exponent);
     match (exponent, decimal::scaled(number, exponent.unwrap_or(0))) {
         (Some(_), Some(error_t)) => Tolerance::absolute_t(error_t).map_err(|error| error.to_string()),
         (None, Some(_)) => Err(format!(
@@ -52,10 +72,10 @@ pub fn tolerance_of_text(text: &str) -> Result<Tolerance, String> {
     }
 }
 
-/// The names of the units for a message, with one of the signs for micro.
+/// The names of the units for a message.
 fn unit_names() -> String {
-    let names = FLUX_DENSITY_UNITS.iter().map(|(name, _)| *name);
-    names.filter(|name| !name.starts_with('μ')).collect::<Vec<&str>>().join(", ")
+    let listed = FLUX_DENSITY_UNITS.iter().filter(|(.., is_listed)| *is_listed);
+    listed.map(|(name, ..)| *name).collect::<Vec<&str>>().join(", ")
 }
 
 /// A tolerance as a fraction of |B|, below 0.1.

@@ -6,6 +6,8 @@ pub(crate) mod accuracy;
 pub(crate) mod fit;
 /// Output formats, their names and file endings.
 pub(crate) mod formats;
+/// `--unit`: units of columns.
+pub(crate) mod given_units;
 /// Errors of measurements of tiles.
 pub(crate) mod measurement;
 /// Numbers with units as a person types them.
@@ -14,7 +16,7 @@ pub(crate) mod numbers;
 pub(crate) mod points;
 /// `--preset`: usual errors of tiles.
 pub(crate) mod preset;
-/// The noise and the unit of readings.
+/// The noise of readings.
 pub(crate) mod readings;
 /// `--sorted`: tiles that are measured and sorted.
 pub(crate) mod sorting;

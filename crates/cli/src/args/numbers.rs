@@ -93,10 +93,10 @@ impl Kind {
         let Kind { name, units, default, bare } = self;
         let known = units::names(units);
         let unit = if unit.is_empty() { default } else { unit };
-        let exponent = units.iter().find(|known| known.name == unit).map(|known| known.exponent);
-        let value = decimal::scaled(number, exponent.unwrap_or(0));
-        match (value, exponent) {
-            (Some(value), Some(_)) => Ok(value),
+        let found = units.iter().find(|known| known.name == unit);
+        let value = decimal::scaled(number, found.map_or(0, |unit| unit.exponent));
+        match (value, found) {
+            (Some(value), Some(unit)) => Ok(value * unit.factor),
             (Some(_), None) => {
                 Err(format!("has the unit {unit}, must be {name} in {known}; a number without a unit is {bare}"))
             }
@@ -114,7 +114,10 @@ mod tests {
         for text in ["8", "8mm", "8 mm", " 0.8cm ", "8000um", "8e3µm", "8000μm", "0.008m", "8e-3 m"] {
             assert_eq!(length_mm(text), Ok(8.0), "{text}");
         }
-        for text in ["1e-7", "0.1uT", "0.1µT", "0.1μT", "100nT", "1e-4mT", "1E-7 T"] {
+        for text in ["0.5in", "0.5 inch", "500mil"] {
+            assert_eq!(length_mm(text), Ok(12.7), "{text}");
+        }
+        for text in ["1e-7", "1mG", "1e-6kOe", "0.1uT", "0.1µT", "0.1μT", "100nT", "1e-4mT", "1E-7 T"] {
             assert_eq!(flux_density_t(text), Ok(1e-7), "{text}");
         }
     }

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::ValueEnum;
+use super::given_units::{GivenUnits, given_units};
 
 #[derive(clap::Args)]
 pub(crate) struct PointsArgs {
@@ -10,35 +10,20 @@ pub(crate) struct PointsArgs {
     /// grid of the working volume]
     ///
     /// Columns are separated by commas, semicolons, tabs or spaces. With semicolons or tabs a
-    /// number may have a decimal comma. Lines that begin with # are comments; the column names may
-    /// be in a comment, as numpy.savetxt writes them. Other columns are ignored.
+    /// number may have a decimal comma. Lines that begin with #, % or ; are comments; the column
+    /// names may be in a comment, as numpy.savetxt writes them. Lines before the names are skipped,
+    /// and other columns are ignored.
     #[arg(id = "points", long = "points", value_name = "CSV")]
     pub(crate) file: Option<PathBuf>,
-    /// Unit of columns named x, y, z without a unit; the line of column names is still required
-    #[arg(long, value_enum, value_name = "UNIT", requires = "points")]
-    pub(crate) unit: Option<LengthUnitArg>,
+    /// Unit of columns named x, y, z without a unit, such as mm or in; the line of column names is
+    /// still required
+    #[arg(long, value_name = "UNIT", requires = "points", value_parser = given_units)]
+    pub(crate) unit: Option<GivenUnits>,
 }
 
 impl PointsArgs {
     /// The file, if there is one.
     pub(crate) fn path(&self) -> Option<&Path> {
         self.file.as_deref()
-    }
-}
-
-#[derive(Clone, Copy, PartialEq, ValueEnum)]
-pub(crate) enum LengthUnitArg {
-    /// Millimetres
-    Mm,
-    /// Metres
-    M,
-}
-
-impl LengthUnitArg {
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            LengthUnitArg::Mm => "mm",
-            LengthUnitArg::M => "m",
-        }
     }
 }

@@ -1,33 +1,9 @@
-//! The noise and the unit of readings.
+//! The noise of readings.
 
-use clap::ValueEnum;
 use magsplice::prelude::DVec3;
 use magsplice::sensor::Noise;
 
 use super::numbers::flux_density_t;
-
-/// Units of columns of flux densities.
-#[derive(Clone, Copy, PartialEq, ValueEnum)]
-pub(crate) enum FluxUnitArg {
-    /// Tesla
-    T,
-    /// Millitesla
-    #[value(name = "mT")]
-    Mt,
-    /// Microtesla
-    #[value(name = "uT")]
-    Ut,
-}
-
-impl FluxUnitArg {
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            FluxUnitArg::T => "T",
-            FluxUnitArg::Mt => "mT",
-            FluxUnitArg::Ut => "uT",
-        }
-    }
-}
 
 /// Largest noise: with this noise a sensor cannot detect any permanent magnet.
 const MAX_NOISE_T: f64 = 1.0;

@@ -2,30 +2,45 @@
 
 use super::limited_lines::shown;
 use super::quantities::Group;
-use crate::units::{self, LENGTHS};
+use crate::args::given_units::GivenUnits;
+use crate::units::{self, Unit};
 
-/// The group whose name takes a plural verb.
-pub(crate) const EULER_ANGLES: &str = "Euler angles";
-
-/// A column, and how its numbers are converted.
+/// A column, and the unit of its numbers.
 #[derive(Clone, Copy)]
 pub(crate) struct Column {
     pub(crate) index: usize,
-    /// Power of ten, then a factor, as in [`units::Unit`].
-    pub(crate) exponent: i32,
-    pub(crate) factor: f64,
+    pub(crate) unit: Unit,
 }
 
 /// Names of columns, and what is wrong with them.
 pub(crate) struct Finder<'a> {
-    pub(crate) names: &'a [String],
+    names: &'a [String],
+    /// Units of columns without one in their names. `None` for verbs without `--unit`.
+    given: Option<&'a GivenUnits>,
     used: Vec<bool>,
+    /// Quantities of which units were given that could be used, and those with a fault.
+    takes_units: Vec<&'static [Unit]>,
+    faulty: Vec<&'static str>,
     pub(crate) faults: Vec<String>,
 }
 
+/// Quantities of which one must be there: their columns in words.
+pub(crate) struct Needed {
+    quantity: &'static str,
+    names: Vec<String>,
+}
+
+impl<const N: usize> Group<N> {
+    /// The group as one that must be there.
+    pub(crate) fn needed(&self) -> Needed {
+        Needed { quantity: self.name, names: (0..N).map(|component| self.suggested(component)).collect() }
+    }
+}
+
 impl<'a> Finder<'a> {
-    pub(crate) fn new(names: &'a [String]) -> Finder<'a> {
-        Finder { names, used: vec![false; names.len()], faults: Vec::new() }
+    pub(crate) fn new(names: &'a [String], given: Option<&'a GivenUnits>) -> Finder<'a> {
+        let used = vec![false; names.len()];
+        Finder { names, given, used, takes_units: Vec::new(), faulty: Vec::new(), faults: Vec::new() }
     }
 
     /// Names of the columns that no group has.
@@ -48,79 +63,138 @@ impl<'a> Finder<'a> {
         self.faults.push(fault.into());
     }
 
-    /// Adds the fault of a group without any column, unless its columns have faults already.
-    pub(crate) fn missing(&mut self, columns: &str) {
-        // Groups that stand in for each other have their names before the colons.
-        let groups: Vec<&str> = columns.split(", or ").filter_map(|group| group.split(':').next()).collect();
-        if !self.faults.iter().any(|fault| groups.iter().any(|group| fault.starts_with(group))) {
-            self.fault(format!("no columns of the {columns} (found: {})", self.names_found()));
+    /// The columns of a group that must be there. `None` after adding a fault.
+    pub(crate) fn required<const N: usize>(&mut self, group: &Group<N>) -> Option<[Column; N]> {
+        let found = self.group(group);
+        if found.is_none() {
+            self.missing(&[group.needed()]);
+        }
+        found
+    }
+
+    /// Adds the fault that none of these groups is there, unless one of them has a fault already.
+    pub(crate) fn missing(&mut self, groups: &[Needed]) {
+        if !groups.iter().any(|group| self.faulty.contains(&group.quantity)) {
+            let words = |Needed { quantity, names }: &Needed| match &names[..] {
+                [only] if only == quantity => format!("column {only}"),
+                [only] => format!("column {only} of the {quantity}"),
+                _ => format!("columns {} of the {quantity}", names.join(", ")),
+            };
+            let words: Vec<String> = groups.iter().map(words).collect();
+            self.faults.push(format!("no {} (found: {})", words.join(", or "), self.names_found()));
         }
     }
 
-    /// The columns of a group, `default` being the unit of those without one in their names. `None`
-    /// if no column is there, or after adding a fault.
-    pub(crate) fn group<const N: usize>(&mut self, group: &Group<N>, default: Option<&str>) -> Option<[Column; N]> {
+    /// The columns of a group. `None` if no column is there, or after adding a fault.
+    pub(crate) fn group<const N: usize>(&mut self, group: &Group<N>) -> Option<[Column; N]> {
         let found = group.columns.map(|names| self.columns(group, names));
-        let missing: Vec<&str> = (0..N).filter(|i| found[*i].is_empty()).map(|i| group.columns[i][0]).collect();
+        let missing: Vec<String> = (0..N).filter(|i| found[*i].is_empty()).map(|i| group.suggested(i)).collect();
         if missing.len() == N {
+            self.takes_units.push(group.units);
             self.explain_unknown_units(group);
             return None;
         }
-        if !missing.is_empty() {
-            self.fault(format!("{} {} no column {}", group.name, has(group.name), missing.join(", ")));
+        if !missing.is_empty() && !self.explain_unknown_units(group) {
+            let (columns, found) = (if missing.len() == 1 { "column" } else { "columns" }, self.names_found());
+            self.fault_of(group, format!("no {columns} {} of the {} (found: {found})", missing.join(", "), group.name));
         }
-        let columns = found.map(|columns| self.only(group, &columns, default));
+        let columns = self.with_units(group, &found);
         let complete: Vec<Column> = columns.into_iter().flatten().collect();
         complete.try_into().ok()
     }
 
     /// The column of a group of one.
     pub(crate) fn column(&mut self, group: &Group<1>) -> Option<Column> {
-        self.group(group, None).map(|[column]| column)
+        self.group(group).map(|[column]| column)
     }
 
     /// The columns of a group that need not be complete. No fault is added for a missing column.
     pub(crate) fn partial_group<const N: usize>(&mut self, group: &Group<N>) -> [Option<Column>; N] {
         self.explain_unknown_units(group);
-        group.columns.map(|names| self.columns(group, names)).map(|columns| self.only(group, &columns, None))
+        let found = group.columns.map(|names| self.columns(group, names));
+        self.with_units(group, &found)
     }
 
-    /// The one column among those found for a component. `None` without a column, or after adding a
-    /// fault.
-    fn only<const N: usize>(
-        &mut self,
-        group: &Group<N>,
-        found: &[(Column, bool)],
-        default: Option<&str>,
-    ) -> Option<Column> {
-        found.iter().for_each(|(column, _)| self.used[column.index] = true);
-        let (name, has) = (group.name, has(group.name));
-        match (found, default.and_then(|unit| units::find(group.units, unit))) {
-            ([], _) => None,
-            ([(column, true)], _) => Some(*column),
-            ([(column, false)], _) if group.units.is_empty() => Some(*column),
-            ([(column, false)], Some(unit)) => Some(Column { exponent: unit.exponent, factor: unit.factor, ..*column }),
-            ([(column, false)], None) => {
-                let (column, units) = (self.listed([column]), units::names(group.units));
-                self.fault(format!("{name} in the column {column} {has} no unit, must have one of: {units}"));
-                None
-            }
-            (several, _) => {
-                let columns = self.listed(several.iter().map(|(column, _)| column));
-                self.fault(format!("{name} {has} more than one column of a kind: {columns}"));
-                None
+    /// Adds the faults of units that were given for no group.
+    pub(crate) fn check_given_units(&mut self) {
+        for unit in self.given.into_iter().flat_map(|given| &given.names) {
+            if !self.takes_units.iter().any(|units| units::find(units, unit).is_some()) {
+                let mut known: Vec<String> = Vec::new();
+                for units in self.takes_units.iter().filter(|units| !units.is_empty()).map(|units| units::names(units))
+                {
+                    if !known.contains(&units) {
+                        known.push(units);
+                    }
+                }
+                self.faults
+                    .push(format!("--unit {unit} is no unit of these columns, must be one of: {}", known.join(", ")));
             }
         }
     }
 
+    fn fault_of<const N: usize>(&mut self, group: &Group<N>, fault: String) {
+        self.faulty.push(group.name);
+        self.faults.push(fault);
+    }
+
+    /// The one column of each component, or none, among those found. Adds the faults of their
+    /// units.
+    fn with_units<const N: usize>(
+        &mut self,
+        group: &Group<N>,
+        found: &[Vec<(Column, bool)>; N],
+    ) -> [Option<Column>; N] {
+        self.takes_units.push(group.units);
+        found.iter().flatten().for_each(|(column, _)| self.used[column.index] = true);
+        for (component, several) in found.iter().enumerate().filter(|(_, found)| found.len() > 1) {
+            let listed = self.listed(several.iter().map(|(column, _)| column));
+            let (column, name) = (group.columns[component][0], group.name);
+            self.fault_of(group, format!("more than one column {column} of the {name}: {listed}"));
+        }
+        if found.iter().any(|columns| columns.len() > 1) {
+            return [None; N];
+        }
+        let found: Vec<Option<(Column, bool)>> = found.iter().map(|columns| columns.first().copied()).collect();
+        let given = self.given.and_then(|given| given.among(group.units));
+        let is_bare = |(_, has_unit): &&(Column, bool)| !has_unit && !group.units.is_empty();
+        let bare: Vec<Column> = found.iter().flatten().filter(is_bare).map(|(column, _)| *column).collect();
+        let is_other =
+            |(column, has_unit): &&(Column, bool)| *has_unit && given.is_some_and(|given| !given.is_same(column.unit));
+        let others: Vec<Column> = found.iter().flatten().filter(is_other).map(|(column, _)| *column).collect();
+        let (columns, name) = (|of: &[Column]| if of.len() == 1 { "column" } else { "columns" }, group.name);
+        if let Some(given) = given.filter(|_| !others.is_empty()) {
+            let (columns, listed) = (columns(&others), self.listed(&others));
+            self.fault_of(
+                group,
+                format!(
+                    "--unit {} contradicts the {columns} {listed} of the {name}: leave it out or rename",
+                    given.name
+                ),
+            );
+        } else if given.is_none() && !bare.is_empty() {
+            let (has, example) = (if bare.len() == 1 { "has" } else { "have" }, group.suggested(0));
+            let option = if self.given.is_some() { " or give --unit," } else { "" };
+            let (columns, listed, known) = (columns(&bare), self.listed(&bare), units::names(group.units));
+            self.fault_of(
+                group,
+                format!("the {columns} {listed} of the {name} {has} no unit: rename, as in {example},{option} with one of: {known}"),
+            );
+        } else {
+            let unit = given.unwrap_or(Unit::NONE);
+            let with_unit =
+                |(column, has_unit): (Column, bool)| if has_unit { column } else { Column { unit, ..column } };
+            let mut complete = found.into_iter().map(|column| column.map(with_unit));
+            return [(); N].map(|()| complete.next().flatten());
+        }
+        [None; N]
+    }
+
     /// The columns with one of these names and a known unit or none, and whether they have one.
     /// Columns with a unit come before those without.
-    pub(crate) fn columns<const N: usize>(&self, group: &Group<N>, bases: &[&str]) -> Vec<(Column, bool)> {
+    fn columns<const N: usize>(&self, group: &Group<N>, bases: &[&str]) -> Vec<(Column, bool)> {
         let named = |(index, name): (usize, &String)| {
-            let unit = group.known_unit(name, bases)?;
-            let found = units::find(group.units, &unit);
-            let (exponent, factor) = found.map_or((0, 1.0), |unit| (unit.exponent, unit.factor));
-            Some((Column { index, exponent, factor }, found.is_some()))
+            let unit = units::find(group.units, &group.known_unit(name, bases)?);
+            Some((Column { index, unit: unit.unwrap_or(Unit::NONE) }, unit.is_some()))
         };
         let mut columns: Vec<(Column, bool)> = self.names.iter().enumerate().filter_map(named).collect();
         if columns.iter().any(|(_, has_unit)| *has_unit) {
@@ -129,31 +203,30 @@ impl<'a> Finder<'a> {
         columns
     }
 
-    /// Adds a fault for each column of a group whose unit is not one of the known.
-    fn explain_unknown_units<const N: usize>(&mut self, group: &Group<N>) {
-        for (index, name) in self.names.iter().enumerate() {
-            if let Some(unit) = group.unknown_unit(name) {
-                self.used[index] = true;
-                let (name, unit, known, has) = (shown(name), shown(&unit), units::names(group.units), has(group.name));
-                self.faults.push(format!(
-                    "{} in the column {name} {has} the unit {unit}, must be one of: {known}",
-                    group.name
-                ));
-            }
+    /// Adds a fault for each column of a group whose unit is not one of the known. Returns whether
+    /// there is one.
+    fn explain_unknown_units<const N: usize>(&mut self, group: &Group<N>) -> bool {
+        let unknown: Vec<(usize, String)> = self
+            .names
+            .iter()
+            .enumerate()
+            .filter_map(|(index, name)| Some((index, group.unknown_unit(name)?)))
+            .collect();
+        let (quantity, known) = (group.name, units::names(group.units));
+        let mut left = unknown.as_slice();
+        // Neighbouring columns with the same unit have one fault.
+        while let Some((_, unit)) = left.first() {
+            let (same, others) = left.split_at(left.iter().take_while(|(_, other)| other == unit).count());
+            left = others;
+            same.iter().for_each(|(index, _)| self.used[*index] = true);
+            let names = same.iter().map(|(index, _)| shown(&self.names[*index])).collect::<Vec<_>>().join(", ");
+            let (columns, have) = if same.len() == 1 { ("column", "has") } else { ("columns", "have") };
+            let unit = shown(unit);
+            self.fault_of(
+                group,
+                format!("the {columns} {names} of the {quantity} {have} the unit {unit}, must be one of: {known}"),
+            );
         }
+        !unknown.is_empty()
     }
-
-    /// Refuses `--unit` where a column names another unit.
-    pub(crate) fn check_unit<'c>(&mut self, unit: &str, columns: impl Iterator<Item = &'c Column>) {
-        let wanted = units::find(&LENGTHS, unit).map(|unit| unit.exponent);
-        let others: Vec<&Column> = columns.filter(|column| Some(column.exponent) != wanted).collect();
-        if !others.is_empty() {
-            self.fault(format!("--unit {unit} contradicts the columns {}: rename them", self.listed(others)));
-        }
-    }
-}
-
-/// The verb for a group.
-fn has(group: &str) -> &'static str {
-    if group == EULER_ANGLES { "have" } else { "has" }
 }

@@ -10,7 +10,9 @@ pub(crate) mod finder;
 /// A reader that fails at a line without an end.
 pub(crate) mod limited_lines;
 /// Names of columns with units.
-pub(crate) mod names;
+mod names;
+/// The line with the names.
+mod names_line;
 /// The quantities of columns: their names and units.
 pub(crate) mod quantities;
 /// The rows of a table as values.

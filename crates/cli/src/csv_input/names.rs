@@ -1,16 +1,18 @@
-//! Names of columns with units: `x_mm`, `x (mm)`, `x[mm]`, `X_mm`, `x/mm`.
+//! Names of columns with units: `x_mm`, `x (mm)`, `x[mm]`, `X_mm`, `x/mm`, `x, mm`.
 
 /// The unit in the name of a column that is called `base`, in lower case; empty if the name has no
 /// unit. `None` if it is the name of another column.
 pub(crate) fn unit_in(name: &str, base: &str) -> Option<String> {
-    let name = name.trim().to_lowercase();
+    // Quotes that a reader of CSV leaves, because they do not begin the cell or are single.
+    let name = name.trim_matches(['"', '\'', ' ', '\t']).to_lowercase();
     let rest = name.strip_prefix(base)?;
     if rest.is_empty() {
         return Some(String::new());
     }
-    let unit = rest.strip_prefix(['_', '/', ' ']).unwrap_or(rest).trim();
+    let unit = rest.trim_start_matches(['_', '/', ' ', ',', ':']).trim();
+    let unit = unit.strip_prefix("in ").unwrap_or(unit).trim_start();
     let bracketed = |open, close| unit.strip_prefix(open).and_then(|unit: &str| unit.strip_suffix(close));
-    let in_brackets = bracketed('(', ')').or(bracketed('[', ']')).map(str::trim);
+    let in_brackets = bracketed('(', ')').or(bracketed('[', ']')).or(bracketed('{', '}')).map(str::trim);
     let unit = in_brackets.or_else(|| (unit.len() < rest.len()).then_some(unit))?;
     (!unit.is_empty()).then(|| unit.to_owned())
 }
@@ -21,9 +23,14 @@ mod tests {
 
     #[test]
     fn units_are_found_in_every_form() {
-        for name in ["x_mm", "x (mm)", "x[mm]", "X_mm", " x (mm) ", "x/mm", "x mm", "x_(mm)", "x(mm)", "X [ MM ]"] {
+        for name in ["x_mm", "x (mm)", "x[mm]", "X_mm", " x (mm) ", "x/mm", "x mm", "x_(mm)", "x(mm)", "X [ MM ]"]
+            .into_iter()
+            .chain(["x / mm", "x, mm", "x: mm", "x in mm", "x {mm}", "\"x (mm)\"", "'x_mm'"])
+        {
             assert_eq!(unit_in(name, "x").as_deref(), Some("mm"), "{name}");
         }
+        assert_eq!(unit_in("x in", "x").as_deref(), Some("in"));
+        assert_eq!(unit_in("Hx/(A/m)", "hx").as_deref(), Some("a/m"));
         assert_eq!(unit_in("Jx (kA/m)", "jx").as_deref(), Some("ka/m"));
         assert_eq!(unit_in("size_x_mm", "size_x").as_deref(), Some("mm"));
         assert_eq!(unit_in("X", "x").as_deref(), Some(""));

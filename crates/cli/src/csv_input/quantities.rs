@@ -1,7 +1,7 @@
 //! The quantities of columns: what their names begin with, and the units that they may carry.
 
 use super::names::unit_in;
-use crate::units::{self, COLUMN_ANGLES, FLUX_DENSITIES, FORCES, LENGTHS, MAGNETIZATIONS, MOMENTS, Unit};
+use crate::units::{self, COLUMN_ANGLES, FIELD_STRENGTHS, FLUX_DENSITIES, FORCES, LENGTHS, MOMENTS, READINGS, Unit};
 
 /// The columns of one quantity, one for each component.
 pub(crate) struct Group<const N: usize> {
@@ -9,57 +9,137 @@ pub(crate) struct Group<const N: usize> {
     pub(crate) name: &'static str,
     /// For each component: what the name of its column may be, without the unit.
     pub(crate) columns: [&'static [&'static str]; N],
+    /// What follows the names that messages suggest, such as `_mm`.
+    pub(crate) suffix: &'static str,
     /// Units of the columns; empty for columns of text and plain numbers.
     pub(crate) units: &'static [Unit],
 }
 
+/// How well a line fits as the line of names.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Fit {
+    /// Names are missing.
+    None,
+    /// All names are there, without units. A line of words can be so by chance.
+    Bare,
+    /// All names are there, with a unit at least at one.
+    Complete,
+}
+
 /// In millimetres.
-pub(crate) const POSITION: Group<3> = Group { name: "position", columns: [&["x"], &["y"], &["z"]], units: &LENGTHS };
+pub(crate) const POSITION: Group<3> = Group {
+    name: "position",
+    columns: [
+        &["x", "pos_x", "position_x", "x_pos", "x_position"],
+        &["y", "pos_y", "position_y", "y_pos", "y_position"],
+        &["z", "pos_z", "position_z", "z_pos", "z_position"],
+    ],
+    suffix: "_mm",
+    units: &LENGTHS,
+};
 /// In millimetres.
-pub(crate) const SIZE: Group<3> =
-    Group { name: "size", columns: [&["size_x", "dx"], &["size_y", "dy"], &["size_z", "dz"]], units: &LENGTHS };
+pub(crate) const SIZE: Group<3> = Group {
+    name: "size",
+    columns: [&["size_x", "dx"], &["size_y", "dy"], &["size_z", "dz"]],
+    suffix: "_mm",
+    units: &LENGTHS,
+};
 /// In tesla.
-pub(crate) const POLARIZATION: Group<3> =
-    Group { name: "polarization", columns: [&["jx"], &["jy"], &["jz"]], units: &FLUX_DENSITIES };
+pub(crate) const POLARIZATION: Group<3> = Group {
+    name: "polarization",
+    columns: [&["jx", "j_x", "j x"], &["jy", "j_y", "j y"], &["jz", "j_z", "j z"]],
+    suffix: "_t",
+    units: &FLUX_DENSITIES,
+};
 /// As a polarization in tesla.
-pub(crate) const MAGNETIZATION: Group<3> =
-    Group { name: "magnetization", columns: [&["mx"], &["my"], &["mz"]], units: &MAGNETIZATIONS };
+pub(crate) const MAGNETIZATION: Group<3> = Group {
+    name: "magnetization",
+    columns: [&["mx", "m_x", "m x"], &["my", "m_y", "m y"], &["mz", "m_z", "m z"]],
+    suffix: "_a_per_m",
+    units: &FIELD_STRENGTHS,
+};
 /// In A m2.
-pub(crate) const MOMENT: Group<3> =
-    Group { name: "moment", columns: [&["moment_x"], &["moment_y"], &["moment_z"]], units: &MOMENTS };
+pub(crate) const MOMENT: Group<3> = Group {
+    name: "moment",
+    columns: [&["moment_x", "moment x"], &["moment_y", "moment y"], &["moment_z", "moment z"]],
+    suffix: "_a_m2",
+    units: &MOMENTS,
+};
 /// Magnitude of a polarization in tesla.
-pub(crate) const STRENGTH: Group<1> = Group { name: "strength", columns: [&["strength"]], units: &FLUX_DENSITIES };
-/// Angles of a polarization in degrees: from the first side towards the second, and out of the
-/// plane of both.
-pub(crate) const DIRECTION: Group<2> =
-    Group { name: "direction", columns: [&["direction"], &["tilt"]], units: &COLUMN_ANGLES };
-/// Readings of a sensor in tesla.
-pub(crate) const READING: Group<3> =
-    Group { name: "flux density", columns: [&["bx"], &["by"], &["bz"]], units: &FLUX_DENSITIES };
+pub(crate) const STRENGTH: Group<1> =
+    Group { name: "strength", columns: [&["strength", "br"]], suffix: "_t", units: &FLUX_DENSITIES };
+/// Angle of a polarization in degrees, from the first side towards the second.
+pub(crate) const DIRECTION: Group<1> =
+    Group { name: "direction", columns: [&["direction"]], suffix: "_deg", units: &COLUMN_ANGLES };
+/// Angle of a polarization in degrees, out of the plane of the first two sides.
+pub(crate) const TILT: Group<1> = Group { name: "tilt", columns: [&["tilt"]], suffix: "_deg", units: &COLUMN_ANGLES };
+/// Readings of a sensor in tesla, or in counts.
+pub(crate) const READING: Group<3> = Group {
+    name: "flux density",
+    columns: [&["bx", "b_x", "b x"], &["by", "b_y", "b y"], &["bz", "b_z", "b z"]],
+    suffix: "_mt",
+    units: &READINGS,
+};
+/// Readings as field strengths, times mu0 in tesla.
+pub(crate) const FIELD_STRENGTH: Group<3> = Group {
+    name: "field strength",
+    columns: [&["hx", "h_x", "h x"], &["hy", "h_y", "h y"], &["hz", "h_z", "h z"]],
+    suffix: "_a_per_m",
+    units: &FIELD_STRENGTHS,
+};
 /// In newton.
-pub(crate) const FORCE: Group<3> = Group { name: "force", columns: [&["fx"], &["fy"], &["fz"]], units: &FORCES };
+pub(crate) const FORCE: Group<3> = Group {
+    name: "force",
+    columns: [&["fx", "f_x", "f x", "force_x"], &["fy", "f_y", "f y", "force_y"], &["fz", "f_z", "f z", "force_z"]],
+    suffix: "_n",
+    units: &FORCES,
+};
+
+/// The name of a tile.
+pub(crate) const TILE: Group<1> = text("tile", &["tile", "name", "label"]);
 
 /// A column of text.
 pub(crate) const fn text(name: &'static str, column: &'static [&'static str]) -> Group<1> {
-    Group { name, columns: [column], units: &[] }
+    Group { name, columns: [column], suffix: "", units: &[] }
 }
 
 impl<const N: usize> Group<N> {
-    /// Whether a line has a name for each column, with a known unit or none.
-    pub(crate) fn is_among(&self, names: &[String]) -> bool {
-        self.columns.iter().all(|bases| names.iter().any(|name| self.known_unit(name, bases).is_some()))
+    /// How well a line has a name for each column, with a known unit or none.
+    pub(crate) fn fit(&self, names: &[String]) -> Fit {
+        // The column with a unit comes before one without.
+        let unit = |bases: &[&str]| {
+            let units = names.iter().filter_map(|name| self.known_unit(name, bases));
+            units.max_by_key(|unit| !unit.is_empty())
+        };
+        let Some(units) = self.columns.iter().map(|bases| unit(bases)).collect::<Option<Vec<String>>>() else {
+            return Fit::None;
+        };
+        let has_unit = self.units.is_empty() || units.iter().any(|unit| !unit.is_empty());
+        if has_unit { Fit::Complete } else { Fit::Bare }
     }
 
     /// The unit in the name of a column with one of these names. Empty without a unit, `None` for
     /// an unknown unit or another column.
     pub(crate) fn known_unit(&self, name: &str, bases: &[&str]) -> Option<String> {
-        let unit = bases.iter().find_map(|base| unit_in(name, base))?;
-        (unit.is_empty() || units::find(self.units, &unit).is_some()).then_some(unit)
+        let is_known = |unit: &String| unit.is_empty() || units::find(self.units, unit).is_some();
+        bases.iter().filter_map(|base| unit_in(name, base)).find(is_known)
     }
 
     /// The unit in the name of a column of this group, if it is an unknown one.
     pub(crate) fn unknown_unit(&self, name: &str) -> Option<String> {
-        let unit = self.columns.iter().copied().flatten().find_map(|base| unit_in(name, base))?;
-        (!self.units.is_empty() && !unit.is_empty() && units::find(self.units, &unit).is_none()).then_some(unit)
+        if self.units.is_empty() || self.columns.iter().any(|bases| self.known_unit(name, bases).is_some()) {
+            return None;
+        }
+        self.columns.iter().copied().flatten().find_map(|base| unit_in(name, base))
+    }
+
+    /// The name of the column of a component, as messages suggest it.
+    pub(crate) fn suggested(&self, component: usize) -> String {
+        format!("{}{}", self.columns[component][0], self.suffix)
+    }
+
+    /// The names of all columns, as messages suggest them.
+    pub(crate) fn example(&self) -> String {
+        (0..N).map(|component| self.suggested(component)).collect::<Vec<_>>().join(",")
     }
 }

@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 use magsplice::prelude::DVec3;
 
 use super::finder::{Column, Finder};
+use super::quantities::Fit;
 use super::table::{CsvTable, Row};
+use crate::args::given_units::GivenUnits;
 use crate::failure::{Failure, PRINTED_FAULTS};
 use crate::faults::FaultList;
 
@@ -16,6 +18,9 @@ pub(crate) struct Form {
     /// Largest number of rows, and what a message says of more.
     pub(crate) most: usize,
     pub(crate) too_many: &'static str,
+    /// Whether the rows are measured one after the other: a row without values is then a missing
+    /// measurement, and a last line that is cut is left out.
+    pub(crate) is_log: bool,
 }
 
 /// An open table with its columns.
@@ -28,18 +33,25 @@ pub(crate) struct Rows<C> {
     pub(crate) ignored: Vec<String>,
     /// Number of rows that were read.
     count: usize,
+    /// The rows that were left out.
+    pub(crate) left_out: FaultList,
 }
 
 /// The cells of a row, and what is wrong with them.
 pub(crate) struct Cells<'a> {
     table: &'a mut CsvTable,
     pub(crate) line: u64,
+    /// Whether the row has no values.
+    is_empty: bool,
     pub(crate) faults: Vec<String>,
+    /// Why the row is left out.
+    left_out: Option<String>,
 }
 
 impl<C> Rows<C> {
-    /// Opens a file, or standard input for `-`, and finds its columns. `has_names` decides whether
-    /// a line is the line of names; `example` is one for messages.
+    /// Opens a file, or standard input for `-`, and finds its columns. `fit` decides how well a
+    /// line is the line of names; `example` is one for messages. `units` are those of `--unit`, if
+    /// the verb has this option.
     ///
     /// # Errors
     /// If the file cannot be read, or `find` has no columns. The failure lists its faults.
@@ -47,13 +59,16 @@ impl<C> Rows<C> {
         path: &Path,
         form: Form,
         example: &str,
-        has_names: impl Fn(&[String]) -> bool,
+        units: Option<&GivenUnits>,
+        fit: impl Fn(&[String]) -> Fit,
         find: impl FnOnce(&mut Finder) -> Option<C>,
     ) -> Result<Rows<C>, Failure> {
         let failed = |message: String| Failure::at(path, message);
-        let table = CsvTable::open(path, has_names, example).map_err(failed)?;
-        let mut finder = Finder::new(&table.names);
-        let found = find(&mut finder).filter(|_| finder.faults.is_empty());
+        let table = CsvTable::open(path, &fit, example, form.is_log).map_err(failed)?;
+        let mut finder = Finder::new(&table.names, units);
+        let found = find(&mut finder);
+        finder.check_given_units();
+        let found = found.filter(|_| finder.faults.is_empty());
         let mut ignored = finder.unused();
         ignored.truncate(PRINTED_FAULTS);
         let Some(columns) = found else {
@@ -61,12 +76,13 @@ impl<C> Rows<C> {
             finder.faults.into_iter().for_each(|fault| faults.add(line, format!("line {line}: {fault}")));
             return Err(faults.failure(path.display()));
         };
-        Ok(Rows { path: path.to_owned(), form, table, columns, ignored, count: 0 })
+        let (path, left_out) = (path.to_owned(), FaultList::default());
+        Ok(Rows { path, form, table, columns, ignored, count: 0, left_out })
     }
 
     /// The names of columns, as the file has them.
     pub(crate) fn names(&self, columns: &[Column]) -> String {
-        Finder::new(&self.table.names).listed(columns)
+        Finder::new(&self.table.names, None).listed(columns)
     }
 
     /// The line of the names.
@@ -82,18 +98,30 @@ impl<C> Rows<C> {
         value: impl FnOnce(&C, &mut Cells) -> Option<T>,
     ) -> Result<Option<Option<(T, u64)>>, Failure> {
         let failed = |message: String| Failure::at(&self.path, message);
-        let Form { rows, most, too_many } = self.form;
+        let Form { rows, most, too_many, is_log } = self.form;
         let row = self.table.next_row().map_err(failed)?;
-        self.count += usize::from(row.is_some());
+        let is_empty = matches!(row, Some(Row::Empty(_)));
+        self.count += usize::from(row.is_some() && (is_log || !is_empty));
         match row {
             Some(_) if self.count > most => Err(failed(format!("has more than {most} {rows}{too_many}"))),
-            Some(Row::Cells(line)) => {
-                let mut cells = Cells { table: &mut self.table, line, faults: Vec::new() };
+            Some(Row::Empty(_)) if !is_log => Ok(Some(None)),
+            Some(Row::Cells(line) | Row::Empty(line)) => {
+                let faultless = Vec::new();
+                let mut cells = Cells { table: &mut self.table, line, is_empty, faults: faultless, left_out: None };
                 let value = value(&self.columns, &mut cells);
-                if cells.faults.is_empty() {
-                    return Ok(Some(value.map(|value| (value, line))));
+                let (found, left_out) = (cells.faults, cells.left_out);
+                if !found.is_empty() {
+                    faults.add(line, format!("line {line}: {}", found.join("; ")));
+                    return Ok(Some(None));
                 }
-                faults.add(line, format!("line {line}: {}", cells.faults.join("; ")));
+                if let Some(reason) = left_out {
+                    self.left_out.add(line, format!("line {line}: left out: {reason}"));
+                    return Ok(Some(None));
+                }
+                Ok(Some(value.map(|value| (value, line))))
+            }
+            Some(Row::Cut(line)) => {
+                self.left_out.add(line, format!("line {line}: left out: the file ends within this line"));
                 Ok(Some(None))
             }
             Some(Row::Fault(line, fault)) => {
@@ -107,9 +135,11 @@ impl<C> Rows<C> {
         }
     }
 
-    /// The values of all rows, and their lines. The failure lists all rows with faults.
+    /// The values of all rows, and their lines. `tell` prints which rows were left out. The failure
+    /// lists all rows with faults.
     pub(crate) fn read_all<T>(
         mut self,
+        tell: &dyn Fn(&str),
         mut value: impl FnMut(&C, &mut Cells) -> Option<T>,
     ) -> Result<(Vec<T>, Vec<u64>), Failure> {
         let (mut values, mut lines, mut faults) = (Vec::new(), Vec::new(), FaultList::default());
@@ -119,13 +149,19 @@ impl<C> Rows<C> {
                 lines.push(line);
             }
         }
-        if faults.is_empty() { Ok((values, lines)) } else { Err(faults.failure(self.path.display())) }
+        if !faults.is_empty() {
+            return Err(faults.failure(self.path.display()));
+        }
+        if !self.left_out.is_empty() {
+            tell(&self.left_out.remarks(self.path.display()));
+        }
+        Ok((values, lines))
     }
 }
 
 impl Cells<'_> {
     pub(crate) fn text(&self, column: Column) -> &str {
-        self.table.cell(column.index)
+        if self.is_empty { "" } else { self.table.cell(column.index) }
     }
 
     /// Whether all these cells are empty.
@@ -133,18 +169,33 @@ impl Cells<'_> {
         columns.iter().all(|column| self.text(*column).is_empty())
     }
 
+    /// Whether any of these cells has no measured value.
+    pub(crate) fn is_any_missing(&self, columns: &[Column]) -> bool {
+        columns.iter().any(|column| is_missing(self.text(*column)))
+    }
+
+    /// Whether none of these cells has a measured value.
+    pub(crate) fn are_all_missing(&self, columns: &[Column]) -> bool {
+        columns.iter().all(|column| is_missing(self.text(*column)))
+    }
+
+    /// Leaves the row out, for this reason.
+    pub(crate) fn leave_out(&mut self, reason: impl Into<String>) {
+        self.left_out = Some(reason.into());
+    }
+
     pub(crate) fn fault(&mut self, fault: impl Into<String>) {
         self.faults.push(fault.into());
     }
 
     /// The number in a cell, or 0 after adding a fault.
-    pub(crate) fn number(&mut self, Column { index, exponent, factor }: Column) -> f64 {
-        self.table.number(index, exponent, self.line).map_or_else(
+    pub(crate) fn number(&mut self, Column { index, unit }: Column) -> f64 {
+        self.table.number(index, unit.exponent, self.line).map_or_else(
             |fault| {
                 self.faults.push(fault);
                 0.0
             },
-            |number| number * factor,
+            |number| number * unit.factor,
         )
     }
 

@@ -4,7 +4,7 @@ use std::io::{self, Read};
 
 use csv::{ReaderBuilder, StringRecord, Trim};
 
-use super::content_lines::{ContentLines, LineNumbers};
+use super::content_lines::{ContentLines, LineForm, Lines};
 
 /// What stands between the cells of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,14 +63,17 @@ impl Separator {
         cells
     }
 
-    /// A reader of rows with this separator, without comments and blank lines, and the numbers of
-    /// their lines.
-    pub(crate) fn reader(self, source: Box<dyn Read>, lines_before: u64) -> (csv::Reader<Box<dyn Read>>, LineNumbers) {
-        let lines = ContentLines::new(source, self == Separator::Spaces, lines_before);
-        let numbers = lines.numbers();
+    /// A reader of rows with this separator, without comments and blank lines, and what is known
+    /// of their lines.
+    pub(crate) fn reader(self, source: Box<dyn Read>, lines_before: u64) -> (csv::Reader<Box<dyn Read>>, Lines) {
+        // Between semicolons the first cell of a line may be empty.
+        let comments: &[u8] = if self == Separator::Semicolon { b"#%" } else { b"#%;" };
+        let form = LineForm { separator: self.mark() as u8, comments };
+        let content = ContentLines::new(source, form, lines_before);
+        let lines = content.lines();
         let mut builder = ReaderBuilder::new();
         builder.has_headers(false).flexible(true).trim(Trim::All).delimiter(self.mark() as u8);
-        (builder.from_reader(Box::new(lines)), numbers)
+        (builder.from_reader(Box::new(content)), lines)
     }
 }
 

@@ -1,18 +1,20 @@
 //! A table of numbers that is read row by row: names of columns, then one row per line.
 //!
 //! The separator is the one under which the line of names has the wanted names. Lines that begin
-//! with `#` are comments. The last of them before the numbers may hold the names, as
-//! `numpy.savetxt` writes them.
+//! with `#`, `%` or `;` are comments.
 
+use std::collections::VecDeque;
 use std::fs::File;
-use std::io::{self, BufRead, BufReader, Cursor, IsTerminal, Read};
+use std::io::{self, BufRead, BufReader, IsTerminal, Read};
 use std::path::Path;
 
 use csv::StringRecord;
 use magsplice::layout::decimal;
 
-use super::content_lines::LineNumbers;
+use super::content_lines::Lines;
 use super::limited_lines::{LimitedLines, read_error, shown};
+use super::names_line::{self, NamesLine, not_utf8};
+use super::quantities::Fit;
 use super::separator::{Separator, other_than};
 
 /// An open table.
@@ -24,10 +26,15 @@ pub(crate) struct CsvTable {
     separator: Separator,
     reader: csv::Reader<Box<dyn Read>>,
     record: StringRecord,
-    /// Numbers of the lines that `reader` reads.
-    numbers: LineNumbers,
+    /// What is known of the lines that `reader` reads.
+    lines: Lines,
     /// Whether no row has been read yet.
     is_before_rows: bool,
+    /// Rows without any value that another row follows: their lines, and that row.
+    empty: VecDeque<u64>,
+    after_empty: Option<StringRecord>,
+    /// Whether a cut last line is no fault.
+    may_be_cut: bool,
     /// The first decimal mark that was not the only possible one, and its line.
     decimal_mark: Option<(char, u64)>,
 }
@@ -36,9 +43,16 @@ pub(crate) struct CsvTable {
 pub(crate) enum Row {
     /// The row has a cell for each name. Its line.
     Cells(u64),
+    /// All cells of the row are empty, and another row follows. Its line.
+    Empty(u64),
+    /// The file ends within this line.
+    Cut(u64),
     /// Why the row cannot be used: its line, and the words for it.
     Fault(u64, String),
 }
+
+/// Largest number of rows without values in sequence, whose lines are held in memory.
+const MOST_EMPTY_ROWS: usize = 1_000_000;
 
 /// Whether this path names standard input.
 pub(crate) fn is_stdin(path: &Path) -> bool {
@@ -53,9 +67,15 @@ pub(crate) fn are_typed(path: Option<&Path>) -> bool {
 impl CsvTable {
     /// Opens a file, or standard input for `-`, and reads the names of its columns.
     ///
-    /// `has_names` says whether a line is the line of names. If no line is, the table has the names
-    /// of its first line, for the message of the caller. `example` is a line of names.
-    pub(crate) fn open(path: &Path, has_names: impl Fn(&[String]) -> bool, example: &str) -> Result<CsvTable, String> {
+    /// `fit` decides how well a line is the line of names, and `may_be_cut` whether a cut last line
+    /// is no fault. If no line is, the table has the names of the line above its numbers, for the
+    /// message of the caller. `example` is a line of names.
+    pub(crate) fn open(
+        path: &Path,
+        fit: &dyn Fn(&[String]) -> Fit,
+        example: &str,
+        may_be_cut: bool,
+    ) -> Result<CsvTable, String> {
         let source: Box<dyn Read> = if is_stdin(path) {
             Box::new(io::stdin())
         } else {
@@ -63,74 +83,21 @@ impl CsvTable {
         };
         let mut source = BufReader::new(LimitedLines::new(source));
         check_is_text(source.fill_buf().map_err(|e| format!("cannot read: {e}"))?)?;
-        let find = |line: &str| {
-            let cells = Separator::ALL.into_iter().map(|separator| (separator, separator.cells(line)));
-            cells.into_iter().find(|(_, names)| has_names(names))
-        };
-        let mut lines = 0;
-        let mut in_comment: Option<(Separator, Vec<String>, u64)> = None;
-        loop {
-            let Some(bytes) = line(&mut source)? else {
-                return match in_comment {
-                    Some(_) => Err("has no points below its names of columns".to_owned()),
-                    None => Err(format!("is empty, must begin with the line {example}")),
-                };
-            };
-            let number = lines + 1;
-            lines += 1;
-            let text = std::str::from_utf8(&bytes).map_err(|_| not_utf8(number))?;
-            let text = text.trim_start_matches('\u{feff}').trim_end_matches(['\r', '\n']);
-            if text.trim().is_empty() || number == 1 && names_separator(text) {
-                continue;
-            }
-            if let Some(comment) = text.trim_start().strip_prefix('#') {
-                if let Some((separator, names)) = find(comment) {
-                    in_comment = Some((separator, names, number));
-                }
-                continue;
-            }
-            if let Some((separator, names)) = find(text) {
-                return Ok(CsvTable::new(names, number, separator, Box::new(source), lines));
-            }
-            if let Some((separator, names, names_line)) = in_comment {
-                // A comment need not have the separator of the numbers.
-                let separator = other_than(separator, text, names.len())
-                    .filter(|_| separator.cells(text).len() != names.len())
-                    .unwrap_or(separator);
-                let before = number - 1;
-                let rest = Box::new(Cursor::new(bytes).chain(source));
-                return Ok(CsvTable::new(names, names_line, separator, rest, before));
-            }
-            check_separators(text, number, &has_names)?;
-            let most = |separator: &Separator| separator.cells(text).len();
-            // The first of those with the most cells.
-            let separator = Separator::ALL.into_iter().rev().max_by_key(most).unwrap_or(Separator::Comma);
-            let names = separator.cells(text);
-            if names.iter().all(|name| name.parse::<f64>().is_ok()) {
-                return Err(format!("line {number}: has no names of columns, must begin with the line {example}"));
-            }
-            return Ok(CsvTable::new(names, number, separator, Box::new(source), lines));
-        }
-    }
-
-    fn new(
-        names: Vec<String>,
-        names_line: u64,
-        separator: Separator,
-        source: Box<dyn Read>,
-        lines_before: u64,
-    ) -> CsvTable {
-        let (reader, numbers) = separator.reader(source, lines_before);
-        CsvTable {
+        let NamesLine { names, line, separator, rest, lines_before } = names_line::find(source, fit, example)?;
+        let (reader, lines) = separator.reader(rest, lines_before);
+        Ok(CsvTable {
             names,
-            names_line,
+            names_line: line,
             separator,
             reader,
             record: StringRecord::new(),
-            numbers,
+            lines,
             is_before_rows: true,
+            empty: VecDeque::new(),
+            after_empty: None,
+            may_be_cut,
             decimal_mark: None,
-        }
+        })
     }
 
     /// Reads the next row that is not blank; `None` at the end of the file.
@@ -138,33 +105,65 @@ impl CsvTable {
     /// # Errors
     /// If the file cannot be read.
     pub(crate) fn next_row(&mut self) -> Result<Option<Row>, String> {
+        if let Some(line) = self.empty.pop_front() {
+            return Ok(Some(Row::Empty(line)));
+        }
+        if let Some(record) = self.after_empty.take() {
+            self.record = record;
+            return self.row(self.record_line()).map(Some);
+        }
         loop {
             match self.reader.read_record(&mut self.record) {
                 Ok(true) => {}
+                // Spreadsheets end a table with lines of separators alone.
                 Ok(false) => return Ok(None),
                 Err(error) => match error.kind() {
                     csv::ErrorKind::Utf8 { pos, .. } => {
-                        let line = self.numbers.in_file(pos.as_ref().map_or(0, csv::Position::line));
+                        let line = self.lines.in_file(pos.as_ref().map_or(0, csv::Position::line));
                         return Ok(Some(Row::Fault(line, not_utf8(line))));
                     }
                     _ => return Err(read_error(&error)),
                 },
             }
-            let line = self.numbers.in_file(self.record.position().map_or(0, csv::Position::line));
-            // Spreadsheets end a table with lines of separators alone.
-            if self.record.iter().all(str::is_empty) {
-                continue;
+            let line = self.record_line();
+            if !self.record.iter().all(str::is_empty) {
+                let Some(first) = self.empty.pop_front() else { return self.row(line).map(Some) };
+                self.after_empty = Some(self.record.clone());
+                return Ok(Some(Row::Empty(first)));
             }
-            let is_first = std::mem::replace(&mut self.is_before_rows, false);
-            if is_first {
-                self.check_form(line)?;
+            if self.empty.len() == MOST_EMPTY_ROWS {
+                return Err(format!("line {line}: has more than {MOST_EMPTY_ROWS} empty rows in sequence"));
             }
-            return Ok(Some(if self.record.len() == self.names.len() {
-                Row::Cells(line)
-            } else {
-                Row::Fault(line, self.wrong_count(line))
-            }));
+            self.empty.push_back(line);
         }
+    }
+
+    /// The line of the record that was read last.
+    fn record_line(&self) -> u64 {
+        self.lines.in_file(self.record.position().map_or(0, csv::Position::line))
+    }
+
+    /// The record as a row.
+    fn row(&mut self, line: u64) -> Result<Row, String> {
+        let is_first = std::mem::replace(&mut self.is_before_rows, false);
+        let is_short = self.record.len() < self.names.len();
+        if is_first {
+            self.check_form(line)?;
+        } else if self.may_be_cut && self.lines.is_last_cut() && (is_short || self.is_last_number_cut()) {
+            return Ok(Row::Cut(line));
+        }
+        Ok(if self.record.len() == self.names.len() {
+            Row::Cells(line)
+        } else {
+            Row::Fault(line, self.wrong_count(line))
+        })
+    }
+
+    /// Whether the last cell is the beginning of a number, such as `1.2e-`.
+    fn is_last_number_cut(&self) -> bool {
+        let last = self.record.iter().next_back().unwrap_or_default();
+        let is_number = |text: &str| decimal::scaled(text, 0).is_some();
+        !last.is_empty() && !is_number(last) && is_number(&format!("{last}0"))
     }
 
     /// Refuses the file if its first row has another separator than the names, or decimal commas
@@ -274,11 +273,6 @@ impl CsvTable {
     }
 }
 
-/// Words for a line that is not UTF-8.
-fn not_utf8(line: u64) -> String {
-    format!("line {line}: is not UTF-8 text: save it as CSV UTF-8")
-}
-
 /// Refuses the files that spreadsheets write instead of UTF-8 text, by their beginning.
 fn check_is_text(beginning: &[u8]) -> Result<(), String> {
     let begins = |magic: &[u8]| beginning.starts_with(magic);
@@ -295,57 +289,11 @@ fn check_is_text(beginning: &[u8]) -> Result<(), String> {
     Ok(())
 }
 
-/// Whether this is the line `sep=;`, by which Excel learns the separator of a file. The line of
-/// names shows it too.
-fn names_separator(text: &str) -> bool {
-    let text = text.trim_matches(['"', ' ', ',', ';', '\t']).to_lowercase();
-    text.strip_prefix("sep=").is_some_and(|mark| mark.chars().count() <= 1)
-}
-
 /// The separator at the end of a cell.
 fn trailing(text: &str) -> Option<Separator> {
     match text.chars().last() {
         Some(',') => Some(Separator::Comma),
         Some(';') => Some(Separator::Semicolon),
         _ => None,
-    }
-}
-
-/// Refuses a line of names that more than one separator divides, or one that is none.
-fn check_separators(text: &str, line: u64, has_names: &impl Fn(&[String]) -> bool) -> Result<(), String> {
-    let cells = |marks: &[char]| -> Vec<String> { text.split(marks).map(|name| name.trim().to_owned()).collect() };
-    let used = |mark: char| text.contains(mark);
-    let named = [(',', "commas"), (';', "semicolons"), ('\t', "tabs"), ('|', "bars"), (':', "colons")];
-    let found: Vec<&str> = named.into_iter().filter(|(mark, _)| used(*mark)).map(|(_, name)| name).collect();
-    let divided = has_names(&cells(&[',', ';', '\t', '|', ':'])) || has_names(&cells(&[',', ';', '\t', ' ', '|', ':']));
-    if !divided {
-        return Ok(());
-    }
-    Err(match found[..] {
-        [one] => format!("line {line}: is separated by {one}, must be separated by commas, semicolons, tabs or spaces"),
-        _ => format!("line {line}: mixes {} between its names, must have one separator", found.join(" and ")),
-    })
-}
-
-/// The next line with its end, or `None` at the end of the source.
-fn line(source: &mut BufReader<LimitedLines<Box<dyn Read>>>) -> Result<Option<Vec<u8>>, String> {
-    let mut line = Vec::new();
-    loop {
-        let available = source.fill_buf().map_err(|e| format!("cannot read: {e}"))?;
-        if available.is_empty() {
-            return Ok((!line.is_empty()).then_some(line));
-        }
-        let end = available.iter().position(|byte| matches!(byte, b'\n' | b'\r'));
-        let taken = end.map_or(available.len(), |end| end + 1);
-        line.extend_from_slice(&available[..taken]);
-        source.consume(taken);
-        if end.is_some() {
-            // A line feed after a carriage return belongs to the same end.
-            let is_return = line.ends_with(b"\r");
-            if is_return && source.fill_buf().is_ok_and(|next| next.starts_with(b"\n")) {
-                source.consume(1);
-            }
-            return Ok(Some(line));
-        }
     }
 }

@@ -7,15 +7,16 @@ use magsplice::layout::{EulerOrder, NamedTile};
 use magsplice::magnet::TileFault;
 use magsplice::prelude::{DQuat, DVec3, Tile};
 
+use super::magnet_columns::{self, MagnetColumns, MagnetForm};
 use super::rotation::{self, RotationColumns};
-use crate::args::points::LengthUnitArg;
+use crate::args::given_units::GivenUnits;
 use crate::csv_input::finder::{Column, Finder};
-use crate::csv_input::quantities::{MAGNETIZATION, POLARIZATION, POSITION, SIZE, text};
+use crate::csv_input::quantities::{POSITION, SIZE, text};
 use crate::csv_input::rows::{Cells, Form, Rows};
 use crate::failure::Failure;
 
 /// A layout file, of at most 64 MiB, holds fewer blocks.
-const FORM: Form = Form { rows: "blocks", most: 1_000_000, too_many: ", too many for a layout" };
+const FORM: Form = Form { rows: "blocks", most: 1_000_000, too_many: ", too many for a layout", is_log: false };
 
 /// Length in mm below which no block of a magnet is made. Blocks of up to 20 mm, written in metres,
 /// are smaller numbers.
@@ -40,18 +41,18 @@ struct Columns {
     name: Option<Column>,
     position: [Column; 3],
     size: [Column; 3],
-    /// In tesla, also from a magnetization.
-    polarization: [Column; 3],
+    magnet: MagnetColumns,
     rotation: Option<RotationColumns>,
 }
 
 /// Reads all blocks of a file. The failure lists all rows that break rules.
-pub(crate) fn read(path: &Path, unit: Option<LengthUnitArg>, euler: Option<EulerOrder>) -> Result<Blocks, Failure> {
-    let rows =
-        Rows::open(path, FORM, EXAMPLE, |names| POSITION.is_among(names), |finder| columns(finder, unit, euler))?;
-    let (ignored, in_mm) = (rows.ignored.clone(), rows.columns.size.iter().all(|column| column.exponent == 0));
+pub(crate) fn read(path: &Path, units: Option<&GivenUnits>, euler: Option<EulerOrder>) -> Result<Blocks, Failure> {
+    let no_units = GivenUnits::default();
+    let units = Some(units.unwrap_or(&no_units));
+    let rows = Rows::open(path, FORM, EXAMPLE, units, |names| POSITION.fit(names), |finder| columns(finder, euler))?;
+    let (ignored, in_mm) = (rows.ignored.clone(), rows.columns.size.iter().all(|column| column.unit.name == "mm"));
     let mut count = 0;
-    let (tiles, lines) = rows.read_all(|columns, cells| {
+    let (tiles, lines) = rows.read_all(&|_| {}, |columns, cells| {
         count += 1;
         tile(columns, cells, count)
     })?;
@@ -65,31 +66,13 @@ pub(crate) fn read(path: &Path, unit: Option<LengthUnitArg>, euler: Option<Euler
 }
 
 /// Finds the columns, or adds all that is wrong with the names.
-fn columns(finder: &mut Finder, unit: Option<LengthUnitArg>, euler: Option<EulerOrder>) -> Option<Columns> {
-    let default = unit.map(|unit| unit.name());
+fn columns(finder: &mut Finder, euler: Option<EulerOrder>) -> Option<Columns> {
     let name = finder.column(&text("name", &["name", "label"]));
-    let position = finder.group(&POSITION, default);
-    let size = finder.group(&SIZE, default);
-    let polarization = finder.group(&POLARIZATION, None);
-    let magnetization = finder.group(&MAGNETIZATION, None);
+    let position = finder.required(&POSITION);
+    let size = finder.required(&SIZE);
+    let magnet = magnet_columns::find(finder, MagnetForm::Polarization);
     let rotation = rotation::find(finder, euler);
-    if let Some(unit) = default {
-        finder.check_unit(unit, position.iter().chain(&size).flatten());
-    }
-    if polarization.is_some() && magnetization.is_some() {
-        finder.fault("has both polarization (jx_t, ...) and magnetization (mx_a_per_m, ...), must have one of them");
-    }
-    let polarization = polarization.or(magnetization);
-    for (columns, expected) in [
-        (polarization, "polarization: jx_t, jy_t, jz_t, or magnetization: mx_a_per_m, my_a_per_m, mz_a_per_m"),
-        (position, "position: x_mm, y_mm, z_mm"),
-        (size, "size: size_x_mm, size_y_mm, size_z_mm"),
-    ] {
-        if columns.is_none() {
-            finder.missing(expected);
-        }
-    }
-    Some(Columns { name, position: position?, size: size?, polarization: polarization?, rotation })
+    Some(Columns { name, position: position?, size: size?, magnet: magnet?, rotation })
 }
 
 /// The tile of a row, or nothing after adding everything that is wrong with it. `number` counts the
@@ -97,7 +80,7 @@ fn columns(finder: &mut Finder, unit: Option<LengthUnitArg>, euler: Option<Euler
 fn tile(columns: &Columns, cells: &mut Cells, number: usize) -> Option<NamedTile> {
     let position = cells.vector(&columns.position);
     let size = cells.vector(&columns.size);
-    let polarization_t = cells.vector(&columns.polarization);
+    let polarization_t = columns.magnet.polarization_of_row(cells);
     let rotation = columns.rotation.as_ref().and_then(|rotation| rotation.of_row(cells));
     let name = columns.name.map_or("", |column| cells.text(column));
     let name = if name.is_empty() { format!("tile-{number}") } else { name.to_owned() };
@@ -124,7 +107,7 @@ fn in_columns(fault: &TileFault, columns: &Columns, cells: &Cells) -> String {
     let column = match fault {
         TileFault::Position { axis, .. } => columns.position[*axis],
         TileFault::Size { axis, .. } => columns.size[*axis],
-        TileFault::Polarization { axis, .. } => columns.polarization[*axis],
+        TileFault::Polarization { axis, .. } => columns.magnet.component(*axis),
         other => return other.to_string(),
     };
     format!("{}, {}", cells.quoted(column), fault.rule())

@@ -3,16 +3,17 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use magsplice::layout::{Layout, direction_from_degrees};
-use magsplice::making::{MeasuredBox, MeasuredMagnet, MeasuredTile, PlaceGroup};
+use magsplice::layout::Layout;
+use magsplice::making::{MeasuredBox, MeasuredTile, PlaceGroup};
 
+use super::magnet_columns::{self, MagnetColumns, MagnetForm};
 use crate::csv_input::finder::{Column, Finder};
 use crate::csv_input::limited_lines::shown;
-use crate::csv_input::quantities::{DIRECTION, MAGNETIZATION, MOMENT, POLARIZATION, SIZE, STRENGTH, text};
+use crate::csv_input::quantities::{SIZE, TILE, text};
 use crate::csv_input::rows::{Cells, Form, Rows};
 use crate::failure::Failure;
 
-const FORM: Form = Form { rows: "tiles", most: 100_000, too_many: "" };
+const FORM: Form = Form { rows: "tiles", most: 100_000, too_many: "", is_log: false };
 
 /// The tiles of a box.
 pub(crate) struct MeasuredTiles {
@@ -32,22 +33,16 @@ struct Columns {
     magnet: MagnetColumns,
 }
 
-/// The columns of the magnetization in one of its forms.
-enum MagnetColumns {
-    Polarization([Column; 3]),
-    Moment([Column; 3]),
-    /// Without angles the direction is that of the part.
-    Strength(Column, Option<[Column; 2]>),
-}
-
 /// Reads a box of tiles for the parts of a layout. The failure lists all rows that break rules.
-pub(crate) fn read(path: &Path, layout: &Layout) -> Result<MeasuredTiles, Failure> {
-    let tile = text("tile", &["tile", "name", "label"]);
-    let rows = Rows::open(path, FORM, "tile,part,jx_t,jy_t,jz_t", |names| tile.is_among(names), columns)?;
+///
+/// A tile without a measured magnetization cannot be assigned: it is left out, which `tell` prints.
+pub(crate) fn read(path: &Path, layout: &Layout, tell: &dyn Fn(&str)) -> Result<MeasuredTiles, Failure> {
+    let fit = |names: &[String]| TILE.fit(names).min(magnet_columns::fit(names));
+    let rows = Rows::open(path, FORM, "tile,part,jx_t,jy_t,jz_t", None, fit, columns)?;
     let ignored = rows.ignored.clone();
     let mut measured = MeasuredBox::new(layout);
     let mut lines = HashMap::new();
-    rows.read_all(|columns, cells| {
+    rows.read_all(tell, |columns, cells| {
         let name = cells.text(columns.tile).to_owned();
         match lines.insert(name.clone(), cells.line) {
             Some(first) if !name.is_empty() => {
@@ -62,58 +57,24 @@ pub(crate) fn read(path: &Path, layout: &Layout) -> Result<MeasuredTiles, Failur
 
 /// Finds the columns, or adds all that is wrong with the names.
 fn columns(finder: &mut Finder) -> Option<Columns> {
-    let tile = finder.column(&text("tile", &["tile", "name", "label"]));
+    let tile = finder.required(&TILE).map(|[column]| column);
     let part = finder.column(&text("part", &["part", "kind"]));
-    let size = finder.group(&SIZE, None);
-    let polarization = finder.group(&POLARIZATION, None);
-    let magnetization = finder.group(&MAGNETIZATION, None);
-    let moment = finder.group(&MOMENT, None);
-    let strength = finder.column(&STRENGTH);
-    let angles = finder.group(&DIRECTION, None);
-    let forms = [
-        polarization.map(MagnetColumns::Polarization),
-        magnetization.map(MagnetColumns::Polarization),
-        moment.map(MagnetColumns::Moment),
-        strength.map(|strength| MagnetColumns::Strength(strength, angles)),
-    ];
-    let mut found: Vec<MagnetColumns> = forms.into_iter().flatten().collect();
-    if found.len() > 1 {
-        finder.fault(
-            "has more than one of polarization (jx_t, ...), magnetization (mx_a_per_m, ...), moment (moment_x_a_m2, \
-             ...) and strength (strength_t), must have one of them",
-        );
-    } else if found.is_empty() {
-        finder.missing(
-            "polarization: jx_t, jy_t, jz_t, or magnetization: mx_a_per_m, my_a_per_m, mz_a_per_m, or moment: \
-             moment_x_a_m2, moment_y_a_m2, moment_z_a_m2, or strength: strength_t, with or without direction_deg and \
-             tilt_deg",
-        );
-    }
-    if tile.is_none() {
-        finder.missing("tile: tile");
-    }
-    Some(Columns { tile: tile?, part, size, magnet: found.pop()? })
+    let size = finder.group(&SIZE);
+    let magnet = magnet_columns::find(finder, MagnetForm::Any);
+    Some(Columns { tile: tile?, part, size, magnet: magnet? })
 }
 
 /// Adds the tile of a row, or what is wrong with its numbers, else with the tile.
 fn add(measured: &mut MeasuredBox, name: &str, columns: &Columns, cells: &mut Cells) {
     let part = columns.part.map(|column| cells.text(column).to_owned()).filter(|part| !part.is_empty());
+    if cells.is_any_missing(&columns.magnet.columns()) {
+        cells.leave_out(format!("the magnetization of tile \"{}\" is missing", shown(name)));
+        return;
+    }
     // Sides that are not given were not measured.
-    let sides = columns.size.filter(|sides| !cells.are_empty(sides));
+    let sides = columns.size.filter(|sides| !cells.are_all_missing(sides));
     let size_mm = sides.and_then(|sides| cells.vector(&sides));
-    let magnet = match &columns.magnet {
-        MagnetColumns::Polarization(columns) => cells.vector(columns).map(MeasuredMagnet::Polarization),
-        MagnetColumns::Moment(columns) => cells.vector(columns).map(MeasuredMagnet::Moment),
-        MagnetColumns::Strength(strength, angles) => {
-            let strength_t = cells.number(*strength);
-            match angles {
-                Some(angles) => cells
-                    .numbers(angles)
-                    .map(|angles_deg| MeasuredMagnet::Polarization(strength_t * direction_from_degrees(angles_deg))),
-                None => Some(MeasuredMagnet::Strength(strength_t)),
-            }
-        }
-    };
+    let magnet = columns.magnet.of_row(cells);
     if let Some(magnet) = magnet.filter(|_| cells.faults.is_empty())
         && let Err(found) = measured.add(&MeasuredTile { name, part: part.as_deref(), size_mm, magnet })
     {

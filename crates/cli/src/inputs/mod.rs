@@ -2,6 +2,8 @@
 
 /// Blocks as tiles.
 pub(crate) mod blocks;
+/// The columns of a magnetization.
+mod magnet_columns;
 /// Measured tiles, sorted by the parts of a layout.
 pub(crate) mod measured_tiles;
 /// Tiles already placed.

@@ -7,7 +7,7 @@ use magsplice::making::{FixedTile, PartlyPlaced, PlaceGroup, Placement};
 
 use crate::csv_input::finder::{Column, Finder};
 use crate::csv_input::limited_lines::shown;
-use crate::csv_input::quantities::{Group, POSITION, text};
+use crate::csv_input::quantities::{Group, POSITION, TILE, text};
 use crate::csv_input::rows::{Cells, Form, Rows};
 use crate::failure::Failure;
 use crate::units::COLUMN_ANGLES;
@@ -16,14 +16,14 @@ use crate::units::COLUMN_ANGLES;
 pub(crate) const PLAN_COLUMNS: [&str; 9] =
     ["place", "tile", "x_mm", "y_mm", "z_mm", "up", "mark", "mark_deg", "placed"];
 
-const FORM: Form = Form { rows: "", most: usize::MAX, too_many: "" };
+const FORM: Form = Form { rows: "", most: usize::MAX, too_many: "", is_log: false };
 
 const PLACE: Group<1> = text("place", &["place"]);
-const TILE: Group<1> = text("tile", &["tile"]);
 /// Whether the tile is placed. Plans of earlier versions have it in `laid`.
 const PLACED: Group<1> = text("placed", &["placed", "laid"]);
 /// The axis of the mark is in a column `mark`, which follows from the side that is up.
-const MARK: Group<1> = Group { name: "direction of the mark", columns: [&["mark"]], units: &COLUMN_ANGLES };
+const MARK: Group<1> =
+    Group { name: "direction of the mark", columns: [&["mark"]], suffix: "_deg", units: &COLUMN_ANGLES };
 
 struct Columns {
     place: Column,
@@ -41,11 +41,11 @@ pub(crate) fn read(
     layout: &Layout,
     groups: &[PlaceGroup],
 ) -> Result<(PartlyPlaced, Vec<String>), Failure> {
-    let has_names = |names: &[String]| PLACE.is_among(names) && TILE.is_among(names);
-    let rows = Rows::open(path, FORM, "place,tile,x_mm,y_mm,z_mm,up,mark_deg", has_names, columns)?;
+    let fit = |names: &[String]| PLACE.fit(names).min(TILE.fit(names));
+    let rows = Rows::open(path, FORM, "place,tile,x_mm,y_mm,z_mm,up,mark_deg", None, fit, columns)?;
     let ignored = rows.ignored.iter().filter(|name| !PLAN_COLUMNS.contains(&name.as_str())).cloned().collect();
     let mut placement = Placement::new(layout, groups);
-    rows.read_all(|columns, cells| {
+    rows.read_all(&|_| {}, |columns, cells| {
         match columns.placed.map_or("yes".to_owned(), |column| cells.text(column).to_lowercase()).as_str() {
             "yes" => place(&mut placement, columns, cells),
             "no" => {}
@@ -57,12 +57,9 @@ pub(crate) fn read(
 }
 
 fn columns(finder: &mut Finder) -> Option<Columns> {
-    let (place, tile) = (finder.column(&PLACE), finder.column(&TILE));
     let (up, placed) = (finder.column(&text("up", &["up"])), finder.column(&PLACED));
-    let position = finder.group(&POSITION, None);
-    let mark = finder.column(&MARK);
-    let needed = [(place, "place: place"), (tile, "tile: tile"), (mark, "direction of the mark: mark_deg")];
-    needed.iter().filter(|(column, _)| column.is_none()).for_each(|(_, columns)| finder.missing(columns));
+    let position = finder.group(&POSITION);
+    let [place, tile, mark] = [&PLACE, &TILE, &MARK].map(|group| finder.required(group).map(|[column]| column));
     Some(Columns { place: place?, tile: tile?, position, up, mark: mark?, placed })
 }
 

@@ -6,32 +6,26 @@ use std::path::Path;
 use magsplice::layout::Layout;
 
 use crate::csv_input::limited_lines::shown;
-use crate::csv_input::quantities::text;
+use crate::csv_input::quantities::TILE;
 use crate::csv_input::rows::{Form, Rows};
 use crate::failure::Failure;
 use crate::text::number::counted;
 
 /// The tile of each step: the lines of the file, by the column `tile`.
 pub(crate) fn read(path: &Path, layout: &Layout) -> Result<Vec<usize>, Failure> {
-    let form = Form { rows: "", most: usize::MAX, too_many: "" };
-    let tile = text("tile", &["tile"]);
+    let form = Form { rows: "", most: usize::MAX, too_many: "", is_log: false };
     let rows = Rows::open(
         path,
         form,
         "tile",
-        |names| tile.is_among(names),
-        |finder| {
-            let column = finder.column(&tile);
-            if column.is_none() && finder.faults.is_empty() {
-                finder.fault("has no column tile with the names of the tiles");
-            }
-            column
-        },
+        None,
+        |names| TILE.fit(names),
+        |finder| finder.required(&TILE).map(|[column]| column),
     )?;
     let tiles: HashMap<&str, usize> =
         layout.tiles.iter().enumerate().map(|(index, named)| (named.name.as_str(), index)).collect();
     let mut lines = vec![None; layout.tiles.len()];
-    let (order, _) = rows.read_all(|column, cells| {
+    let (order, _) = rows.read_all(&|_| {}, |column, cells| {
         let (name, line) = (shown(cells.text(*column)), cells.line);
         match tiles.get(cells.text(*column)).map(|&tile| (tile, lines[tile])) {
             None => cells.fault(format!("the layout has no tile {name}")),

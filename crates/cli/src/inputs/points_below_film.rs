@@ -30,7 +30,7 @@ impl<'a> GivenPoints<'a> {
         within_half_wave: bool,
     ) -> Result<Option<GivenPoints<'a>>, Failure> {
         let (Some(path), Some(ideal)) = (args.path(), &session.layout.ideal) else { return Ok(None) };
-        let (points, lines) = points::read_all(path, args.unit, &|remark| session.tell(remark))?;
+        let (points, lines) = points::read_all(path, args.unit.as_ref(), &|remark| session.tell(remark))?;
         let half = 0.5 * ideal.wavelength();
         let mut faults = FaultList::default();
         for (p, line) in points.iter().zip(&lines) {

@@ -4,108 +4,144 @@ use std::path::Path;
 
 use magsplice::prelude::DVec3;
 
-use crate::args::readings::FluxUnitArg;
+use crate::args::given_units::GivenUnits;
 use crate::csv_input::finder::{Column, Finder};
-use crate::csv_input::limited_lines::shown;
-use crate::csv_input::names::unit_in;
-use crate::csv_input::quantities::{FORCE, Group, POSITION, READING};
-use crate::csv_input::rows::{Form, Rows};
+use crate::csv_input::quantities::{FIELD_STRENGTH, FORCE, Group, POSITION, READING};
+use crate::csv_input::rows::{Cells, Form, Rows};
 use crate::failure::Failure;
-use crate::units;
-
-/// A vector of each row.
-pub(crate) struct Vector {
-    group: &'static Group<3>,
-    /// The unit of columns without one in their names.
-    default: Option<&'static str>,
-    /// What may follow the name of a column.
-    examples: [&'static str; 2],
-    /// Whether a component may be missing, which is then NaN.
-    may_miss: bool,
-}
-
-/// Flux densities in tesla.
-pub(crate) fn flux_densities(unit: Option<FluxUnitArg>) -> Vector {
-    Vector { group: &READING, default: unit.map(FluxUnitArg::name), examples: ["_mt", " (mT)"], may_miss: true }
-}
-
-/// Forces in newton.
-pub(crate) const FORCES: Vector = Vector { group: &FORCE, default: None, examples: ["_n", " (N)"], may_miss: true };
-
-/// Positions in millimetres.
-pub(crate) const POSITIONS: Vector =
-    Vector { group: &POSITION, default: None, examples: ["_mm", " (mm)"], may_miss: false };
+use crate::session::Session;
+use crate::text::number::counted;
+use crate::words::{flux_density_mt, larger_range};
 
 /// Largest number of readings held in memory: with their positions they take 3 GB.
 const MAX_READINGS: usize = 10_000_000;
 
-/// Readings at positions, and their lines in the file.
-pub(crate) struct Scan {
-    pub(crate) points_mm: Vec<DVec3>,
+const FORM: Form = Form { rows: "readings", most: MAX_READINGS, too_many: ": divide the file", is_log: true };
+
+/// Readings, and what was recorded with each. A missing component is NaN.
+pub(crate) struct Readings {
+    /// Positions of the sensor, or forces on the film.
+    pub(crate) beside: Vec<DVec3>,
+    /// Flux densities.
     pub(crate) readings_t: Vec<DVec3>,
     pub(crate) lines: Vec<u64>,
 }
 
-impl Scan {
-    pub(crate) fn read(path: &Path) -> Result<Scan, Failure> {
-        let (rows, lines) = read_all(path, &[POSITIONS, flux_densities(None)])?;
-        let (points_mm, readings_t) = rows.into_iter().map(|[point, reading]| (point, reading)).unzip();
-        Ok(Scan { points_mm, readings_t, lines })
-    }
+/// What is recorded beside a reading.
+#[derive(Clone, Copy, PartialEq)]
+enum Beside {
+    Nothing,
+    /// In millimetres. A reading without a position is left out.
+    Position,
+    /// In newton.
+    Force,
 }
 
-/// The vectors of each row of a file, and its line.
-pub(crate) fn read_all<const N: usize>(
-    path: &Path,
-    vectors: &[Vector; N],
-) -> Result<(Vec<[DVec3; N]>, Vec<u64>), Failure> {
-    let names = vectors.iter().flat_map(|vector| vector.group.columns.map(|names| (names[0], vector.examples[0])));
-    let example = names.map(|(name, unit)| format!("{name}{unit}")).collect::<Vec<_>>().join(",");
-    let form = Form { rows: "readings", most: MAX_READINGS, too_many: ": divide the file" };
-    let has_names = |names: &[String]| vectors.iter().all(|vector| vector.group.is_among(names));
-    let find = |finder: &mut Finder| {
-        let found = vectors.each_ref().map(|vector| vector.group.columns.map(|names| vector.column(finder, names[0])));
-        let found: Vec<Column> = found.into_iter().flatten().flatten().collect();
-        (found.len() == 3 * N).then(|| found.as_chunks::<3>().0.to_vec())
+/// Readings alone.
+pub(crate) fn alone(session: &Session, path: &Path, units: Option<&GivenUnits>) -> Result<Readings, Failure> {
+    read(session, path, units, Beside::Nothing)
+}
+
+/// Readings at positions in millimetres. Readings without a position are left out.
+pub(crate) fn at_positions(session: &Session, path: &Path, units: Option<&GivenUnits>) -> Result<Readings, Failure> {
+    read(session, path, units, Beside::Position)
+}
+
+/// Readings under forces in newton.
+pub(crate) fn with_forces(session: &Session, path: &Path, units: Option<&GivenUnits>) -> Result<Readings, Failure> {
+    read(session, path, units, Beside::Force)
+}
+
+/// Columns of a vector beside the reading, if there is one, and of the reading.
+struct Columns {
+    beside: Option<[Column; 3]>,
+    reading: [Column; 3],
+}
+
+fn read(session: &Session, path: &Path, units: Option<&GivenUnits>, beside: Beside) -> Result<Readings, Failure> {
+    let group: Option<&Group<3>> = match beside {
+        Beside::Nothing => None,
+        Beside::Position => Some(&POSITION),
+        Beside::Force => Some(&FORCE),
     };
-    let rows = Rows::open(path, form, &example, has_names, find)?;
-    rows.read_all(|columns, cells| {
-        let read = |(columns, vector): (&[Column; 3], &Vector)| match vector.may_miss {
-            true => cells.measured(columns),
-            false => cells.vector(columns),
-        };
-        let vectors: Vec<DVec3> = columns.iter().zip(vectors).filter_map(read).collect();
-        vectors.try_into().ok()
-    })
+    let example = group.map_or(READING.example(), |group| format!("{},{}", group.example(), READING.example()));
+    let no_units = GivenUnits::default();
+    let fit = |names: &[String]| {
+        let reading = READING.fit(names).max(FIELD_STRENGTH.fit(names));
+        group.map_or(reading, |group| reading.min(group.fit(names)))
+    };
+    let find = |finder: &mut Finder| {
+        let beside = group.map(|group| finder.required(group));
+        let reading = reading_columns(finder, session);
+        Some(Columns { beside: beside.map_or(Some(None), |found| found.map(Some))?, reading: reading? })
+    };
+    let rows = Rows::open(path, FORM, &example, Some(units.unwrap_or(&no_units)), fit, find)?;
+    let (found, lines) = rows
+        .read_all(&|remark| session.tell(remark), |columns, cells| row(columns, cells, beside == Beside::Position))?;
+    let (beside, readings_t): (Vec<DVec3>, Vec<DVec3>) = found.into_iter().unzip();
+    if let Some(remark) = at_limit(session, &readings_t) {
+        session.tell(&format!("{}: {remark}", path.display()));
+    }
+    Ok(Readings { beside, readings_t, lines })
 }
 
-impl Vector {
-    /// The column of a component, or `None` after adding a fault.
-    fn column(&self, finder: &mut Finder, name: &str) -> Option<Column> {
-        let [with_unit, in_brackets] = self.examples.map(|example| format!("{name}{example}"));
-        let given = self.default.and_then(|unit| units::find(self.group.units, unit));
-        let fault = match (&finder.columns(self.group, &[name])[..], given) {
-            ([(column, true)], Some(given)) if given.exponent != column.exponent => {
-                format!("--unit contradicts the column {}: leave it out", finder.listed([column]))
-            }
-            ([(column, true)], _) => return Some(*column),
-            ([(column, false)], Some(given)) => return Some(Column { exponent: given.exponent, ..*column }),
-            ([(column, false)], None) => {
-                format!("the column {} has no unit: rename it, as in {with_unit}", finder.listed([column]))
-            }
-            ([], _) => match finder.names.iter().find_map(|found| Some((found, unit_in(found, name)?))) {
-                Some((column, unit)) => {
-                    let known = units::names(self.group.units);
-                    format!("the column {} has the unit {}, must be one of: {known}", shown(column), shown(&unit))
-                }
-                None => {
-                    let found = finder.names_found();
-                    format!("has no column {name} with a unit, such as {with_unit} or {in_brackets} (found: {found})")
-                }
-            },
-            _ => format!("has more than one column {name}"),
-        };
-        finder.fault(fault);
-        None
+/// Words for readings at the limit of the sensor's range or beyond it, with the setting of the part
+/// that has the range for them.
+fn at_limit(session: &Session, readings_t: &[DVec3]) -> Option<String> {
+    let sensor = session.layout.sensor.as_ref()?;
+    let range_t = sensor.element.range_t;
+    let finite = || readings_t.iter().filter(|reading| reading.is_finite());
+    let count = finite().filter(|reading| sensor.element.is_saturated(**reading)).count();
+    let largest_t = finite().fold(DVec3::ZERO, |largest, reading| largest.max(reading.abs()));
+    if count == 0 {
+        return None;
     }
+    // The conversion of readings from counts rounds.
+    let is_beyond = largest_t.cmpgt(range_t + sensor.element.count_t).any();
+    let (largest, range) = (flux_density_mt(largest_t), flux_density_mt(range_t));
+    let found = if is_beyond {
+        format!("readings reach {largest}, beyond the range of [sensor], {range}: the sensor had another setting")
+    } else {
+        let readings = counted(count, "reading is", "readings are");
+        format!("{readings} at the limit of the range of [sensor], {range}")
+    };
+    let correction = if is_beyond { "; correct range_mt in [sensor]".to_owned() } else { String::new() };
+    Some(found + &larger_range(sensor, readings_t).unwrap_or(correction))
+}
+
+/// The columns of the readings. Counts are converted by the sensor of the layout.
+fn reading_columns(finder: &mut Finder, session: &Session) -> Option<[Column; 3]> {
+    let Some(mut columns) = finder.group(&READING).or_else(|| finder.group(&FIELD_STRENGTH)) else {
+        finder.missing(&[READING.needed()]);
+        return None;
+    };
+    let count_t = session.layout.sensor.as_ref().map_or(DVec3::ZERO, |sensor| sensor.element.count_t);
+    let unknown: Vec<Column> = columns
+        .iter()
+        .zip(count_t.to_array())
+        .filter(|(of, count_t)| of.unit.is_count && *count_t == 0.0)
+        .map(|(of, _)| *of)
+        .collect();
+    if !unknown.is_empty() {
+        let (columns, layout) = (finder.listed(&unknown), session.path.display());
+        finder.fault(format!(
+            "counts in {columns}, and {layout} does not give the flux density of a count: add part or count_ut to [sensor]"
+        ));
+    }
+    for (column, count_t) in columns.iter_mut().zip(count_t.to_array()).filter(|(column, _)| column.unit.is_count) {
+        column.unit.factor = count_t;
+    }
+    Some(columns)
+}
+
+/// The vector beside the reading of a row, and the reading.
+fn row(columns: &Columns, cells: &mut Cells, is_position: bool) -> Option<(DVec3, DVec3)> {
+    let missing = columns.beside.filter(|beside| is_position && cells.is_any_missing(beside));
+    if missing.is_some() {
+        cells.leave_out("a coordinate of its position is missing");
+        return None;
+    }
+    let beside = columns.beside.map_or(Some(DVec3::ZERO), |beside| cells.measured(&beside));
+    let reading = cells.measured(&columns.reading);
+    Some((beside?, reading?))
 }

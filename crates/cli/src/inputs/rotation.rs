@@ -2,7 +2,7 @@
 
 use magsplice::layout::{EulerOrder, Rotation, RotationFaults};
 
-use crate::csv_input::finder::{Column, EULER_ANGLES, Finder};
+use crate::csv_input::finder::{Column, Finder};
 use crate::csv_input::quantities::Group;
 use crate::csv_input::rows::Cells;
 use crate::units::COLUMN_ANGLES;
@@ -69,15 +69,15 @@ const AXIS: Group<3> = plain("axis", [&["axis_x"], &["axis_y"], &["axis_z"]]);
 const MATRIX: Group<9> =
     plain("matrix", [&["r11"], &["r12"], &["r13"], &["r21"], &["r22"], &["r23"], &["r31"], &["r32"], &["r33"]]);
 const ANGLE: Group<1> = angles("angle", [&["angle"]]);
-const ABOUT_AXES: Group<3> = angles(EULER_ANGLES, [&["rx"], &["ry"], &["rz"]]);
-const NUMBERED: Group<3> = angles(EULER_ANGLES, [&["euler_1"], &["euler_2"], &["euler_3"]]);
+const ABOUT_AXES: Group<3> = angles("Euler angles", [&["rx"], &["ry"], &["rz"]]);
+const NUMBERED: Group<3> = angles("Euler angles", [&["euler_1"], &["euler_2"], &["euler_3"]]);
 
 const fn plain<const N: usize>(name: &'static str, columns: [&'static [&'static str]; N]) -> Group<N> {
-    Group { name, columns, units: &[] }
+    Group { name, columns, suffix: "", units: &[] }
 }
 
 const fn angles<const N: usize>(name: &'static str, columns: [&'static [&'static str]; N]) -> Group<N> {
-    Group { name, columns, units: &COLUMN_ANGLES }
+    Group { name, columns, suffix: "_deg", units: &COLUMN_ANGLES }
 }
 
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -90,12 +90,12 @@ const READ: &str = "qx, qy, qz, qw (or quat_x, ...; qw is the scalar), axis_x, a
 /// read: without it the blocks would stand unrotated.
 pub(super) fn find(finder: &mut Finder, order: Option<EulerOrder>) -> Option<RotationColumns> {
     let before = finder.faults.len();
-    let quaternion = finder.group(&QUATERNION, None);
-    let axis = finder.group(&AXIS, None);
+    let quaternion = finder.group(&QUATERNION);
+    let axis = finder.group(&AXIS);
     let angle = finder.column(&ANGLE);
     let about = finder.partial_group(&ABOUT_AXES);
-    let numbered = finder.group(&NUMBERED, None);
-    let matrix = finder.group(&MATRIX, None);
+    let numbered = finder.group(&NUMBERED);
+    let matrix = finder.group(&MATRIX);
     let unread: Vec<String> = finder.unused().into_iter().filter(|name| looks_like_rotation(name)).collect();
     if !unread.is_empty() {
         let (columns, look) = if unread.len() == 1 {

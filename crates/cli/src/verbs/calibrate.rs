@@ -12,9 +12,10 @@ use magsplice::sensor::Stiffness;
 
 use super::read::{located, unlocated};
 use crate::args::formats::ResultArgs;
+use crate::args::given_units::{GivenUnits, given_units};
 use crate::failure::Failure;
 use crate::faults::FaultList;
-use crate::inputs::readings;
+use crate::inputs::readings::{self, Readings};
 use crate::remarks;
 use crate::session::Session;
 use crate::text::number::{counted, number};
@@ -36,6 +37,10 @@ pub(crate) struct CalibrateArgs {
     /// Layout file of the film
     #[arg(long, value_name = "LAYOUT")]
     layout: PathBuf,
+    /// Units of columns without a unit in their names, such as N,mT; the line of column names is
+    /// still required
+    #[arg(long, value_name = "UNITS", value_parser = given_units)]
+    unit: Option<GivenUnits>,
     /// The first N readings are of the film at rest: their mean, less the field of the film at the
     /// reference point, is subtracted from all
     #[arg(long, value_name = "N", default_value = "0")]
@@ -52,9 +57,8 @@ pub(crate) fn run(args: &CalibrateArgs, quiet: bool) -> Result<(), Failure> {
     let session = Session::open(&args.layout, remarks::OF_FIELDS, quiet)?;
     let film = session.film()?;
     let output = session.output(args.result.output.as_deref(), [&*args.readings])?;
-    let (rows, lines) = readings::read_all(&args.readings, &[readings::FORCES, readings::flux_densities(None)])?;
-    let (forces_n, readings_t): (Vec<DVec3>, Vec<DVec3>) =
-        rows.into_iter().map(|[force, reading]| (force, reading)).unzip();
+    let Readings { beside: forces_n, readings_t, lines } =
+        readings::with_forces(&session, &args.readings, args.unit.as_ref())?;
     let readings = located(&session, &film, &args.readings, &readings_t, [args.zero, args.rest], None)?;
     let (place, faults) = (args.readings.display().to_string(), unlocated(&readings, &lines));
     if !faults.is_empty() {

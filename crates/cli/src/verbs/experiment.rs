@@ -13,7 +13,7 @@ use magsplice_report::{SvgText, experiment_figure};
 use crate::args::formats::TableFormat;
 use crate::args::numbers::{angle_rad, length_mm};
 use crate::failure::Failure;
-use crate::inputs::readings;
+use crate::inputs::points;
 use crate::output::{choice, table};
 use crate::remarks;
 use crate::session::{OF_SENSORS, Session};
@@ -97,7 +97,7 @@ pub(crate) fn run(args: &ExperimentArgs, quiet: bool) -> Result<(), Failure> {
     let mut output = session.output(args.output.as_deref(), args.heights.as_deref())?;
     #[cfg(feature = "report")]
     let figure = session.figure(args.figure.as_deref(), args.heights.as_deref())?;
-    let deformation = deformation(args)?;
+    let deformation = deformation(&session, args)?;
     let made = (deformation != Deformation::default()).then(|| film.deformed(&deformation)).transpose();
     let made = made.map_err(|error| {
         Failure::at(&args.layout, format_args!("this bend or shift of the film is impossible (lengths in mm): {error}"))
@@ -115,20 +115,19 @@ pub(crate) fn run(args: &ExperimentArgs, quiet: bool) -> Result<(), Failure> {
 }
 
 /// The deformation of the film that is read.
-fn deformation(args: &ExperimentArgs) -> Result<Deformation, Failure> {
+fn deformation(session: &Session, args: &ExperimentArgs) -> Result<Deformation, Failure> {
     let along = if args.bend_along == BendAxis::X { 0 } else { 1 };
     let bend = match (args.bend_radius, &args.heights) {
         (Some(radius), _) => Some(Bend::Cylinder { along, radius }),
-        (None, Some(path)) => Some(Bend::Heights(heights(path)?)),
+        (None, Some(path)) => Some(Bend::Heights(heights(path, &|remark| session.tell(remark))?)),
         (None, None) => None,
     };
     Ok(Deformation { bend, rotation_rad: args.rotate.unwrap_or_default(), shift: args.shift.unwrap_or_default() })
 }
 
 /// The heights of a CSV file.
-fn heights(path: &Path) -> Result<HeightMap, Failure> {
-    let (rows, lines) = readings::read_all(path, &[readings::POSITIONS])?;
-    let points: Vec<DVec3> = rows.into_iter().map(|[point]| point).collect();
+fn heights(path: &Path, tell: &dyn Fn(&str)) -> Result<HeightMap, Failure> {
+    let (points, lines) = points::read_all(path, None, tell)?;
     HeightMap::from_points(&points).map_err(|error| {
         let message = match error {
             HeightMapError::Repeated { point } => {

@@ -93,7 +93,7 @@ pub(crate) fn run(args: &FieldArgs, quiet: bool) -> Result<(), Failure> {
 }
 
 fn at_points(args: &FieldArgs, session: &Session, film: &Film, path: &Path) -> Result<(), Failure> {
-    let mut file = PointFile::open(path, args.points.unit, &|remark| session.tell(remark))?;
+    let mut file = PointFile::open(path, args.points.unit.as_ref(), &|remark| session.tell(remark))?;
     let mut writer = FieldWriter::open(args, film, Points::Scattered(Vec::new()))?;
     let (mut points, mut lines) = (Vec::new(), Vec::new());
     let mut done = 0;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use magsplice::layout::{EulerOrder, InvalidEulerOrder, Layout, LayoutError, LayoutFault, meant_length};
 
-use crate::args::points::LengthUnitArg;
+use crate::args::given_units::{GivenUnits, given_units};
 use crate::csv_input::table::is_stdin;
 use crate::failure::{self, Failure};
 use crate::faults::FaultList;
@@ -17,9 +17,9 @@ use crate::text::number::counted;
 ///
 /// The names of columns carry units, in any of the forms x_mm, x (mm), x[mm]:
 ///
-///   position       x_mm, y_mm, z_mm: the centre (mm, cm, um, m)
+///   position       x_mm, y_mm, z_mm: the centre (mm, cm, um, m, in, mil)
 ///   size           size_x_mm, size_y_mm, size_z_mm: along the block's own axes
-///   polarization   jx_t, jy_t, jz_t: in the block's own frame (T, mT, uT, nT)
+///   polarization   jx_t, jy_t, jz_t: in the block's own frame (T, mT, uT, nT, kG, G)
 ///   magnetization  mx_a_per_m, my_a_per_m, mz_a_per_m: instead of the polarization (A/m, kA/m)
 ///   rotation       none, or one of:
 ///                  qx, qy, qz, qw (or quat_x, ...): a quaternion of any norm, qw is the scalar
@@ -51,10 +51,10 @@ pub(crate) struct ImportArgs {
     /// 10.
     #[arg(long, value_name = "ORDER", value_parser = order)]
     euler: Option<EulerOrder>,
-    /// Unit of positions and sizes whose columns are named without a unit; the line of column names
-    /// is still required
-    #[arg(long, value_enum, value_name = "UNIT")]
-    unit: Option<LengthUnitArg>,
+    /// Units of columns named without a unit, such as mm, or mm,kG; the line of column names is
+    /// still required
+    #[arg(long, value_name = "UNITS", value_parser = given_units)]
+    unit: Option<GivenUnits>,
     /// Name of the layout [default: the name of the file]
     #[arg(long, value_name = "NAME")]
     name: Option<String>,
@@ -62,7 +62,8 @@ pub(crate) struct ImportArgs {
 
 pub(crate) fn run(args: &ImportArgs, quiet: bool) -> Result<(), Failure> {
     let output = Output::open(args.output.as_deref(), &[&args.blocks])?;
-    let Blocks { tiles, lines, ignored, suspicious_size_mm } = blocks::read(&args.blocks, args.unit, args.euler)?;
+    let Blocks { tiles, lines, ignored, suspicious_size_mm } =
+        blocks::read(&args.blocks, args.unit.as_ref(), args.euler)?;
     let place = args.blocks.display().to_string();
     let source = if is_stdin(&args.blocks) { "standard input".to_owned() } else { file_name(&args.blocks) };
     let history = vec![format!("imported from {source} by magsplice {}", env!("CARGO_PKG_VERSION"))];

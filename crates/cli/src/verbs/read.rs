@@ -8,10 +8,11 @@ use magsplice::sensor::Noise;
 use magsplice::{Film, FilmError};
 
 use crate::args::formats::TableFormat;
-use crate::args::readings::{FluxUnitArg, noise};
+use crate::args::given_units::{GivenUnits, given_units};
+use crate::args::readings::noise;
 use crate::failure::Failure;
 use crate::faults::FaultList;
-use crate::inputs::readings;
+use crate::inputs::readings::{self, Readings};
 use crate::output::{choice, table};
 use crate::remarks;
 use crate::session::{OF_SENSORS, Session};
@@ -56,9 +57,10 @@ pub(crate) struct ReadArgs {
     /// The film may then lie elsewhere than in the layout. A constant field moves all positions.
     #[arg(long, value_name = "N", default_value = "0", conflicts_with = "zero")]
     rest: usize,
-    /// Unit of columns named bx, by, bz without a unit; the line of column names is still required
-    #[arg(long, value_enum, ignore_case = true, value_name = "UNIT")]
-    unit: Option<FluxUnitArg>,
+    /// Unit of columns named bx, by, bz without a unit, such as uT, G or counts of [sensor]; the
+    /// line of column names is still required
+    #[arg(long, value_name = "UNIT", value_parser = given_units)]
+    unit: Option<GivenUnits>,
     /// File to write, complete or not at all [default: -, standard output]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -73,8 +75,7 @@ pub(crate) fn run(args: &ReadArgs, quiet: bool) -> Result<(), Failure> {
     session.volume(OF_SENSORS)?;
     let format = choice::choose_rows(args.format, args.output.as_deref(), "readings")?;
     let mut output = session.output(args.output.as_deref(), [&*args.readings])?;
-    let (rows, lines) = readings::read_all(&args.readings, &[readings::flux_densities(args.unit)])?;
-    let readings_t: Vec<DVec3> = rows.into_iter().map(|[reading]| reading).collect();
+    let Readings { readings_t, lines, .. } = readings::alone(&session, &args.readings, args.unit.as_ref())?;
     let found = located(&session, &film, &args.readings, &readings_t, [args.zero, args.rest], args.noise)?;
     table::write(&found.table(&args.readings.display().to_string()), &found, format, &mut output)?;
     output.finish()?;

@@ -348,7 +348,7 @@ fn wrong_tables_are_refused_by_line() {
         ("1-1,9,0.1,0,0", "line 2: part = \"9\", must be a number from 1 to 3, as `magsplice tiles` lists the parts"),
         ("1-1,,0.1,0,0", "line 2: has no part, must have one of 3 in a column part, or sizes"),
         ("1-1,1,weak,0,0", "line 2: jx_t = \"weak\", must be a finite number"),
-        ("1-1,1,,0,0", "line 2: jx_t = \"\", must be a finite number"),
+        ("1-1,1,,0,0", "line 2: left out: the magnetization of tile \"1-1\" is missing"),
         ("1-1,1,120,0,0", "line 2: its polarization is 120 T, must be within 0.5 to 2 times"),
         (",1,0.1,0,0", "line 2: has no name in the column of tiles"),
     ] {
@@ -363,7 +363,9 @@ fn wrong_tables_are_refused_by_line() {
     sandbox.write("tiles.csv", &lines[..lines.len() - 1].join("\n"));
     run(&[]).refuses("places) has");
     sandbox.write("tiles.csv", "tile,part,jx,jy,jz\na,1,1,2,3\n");
-    run(&[]).refuses("line 1: polarization in the column jx has no unit, must have one of");
+    run(&[]).refuses(
+        "line 1: the columns jx, jy, jz of the polarization have no unit: rename, as in jx_t, with one of: T, mT",
+    );
     sandbox.write("tiles.csv", &good);
     run(&["--shim", "nowhere"]).refuses("--shim nowhere: must be the name of a tile of the layout");
     run(&["-o", "tiles.csv"]).refuses("it is an input, which would be lost");

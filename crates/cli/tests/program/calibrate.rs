@@ -120,7 +120,8 @@ fn calibrations_that_tell_nothing_are_refused() {
     with(&format!("{names}\n{}", "0,0,1,0,0,2\n".repeat(5)))
         .refuses("forces.csv: along x: all displacements are the same");
     with(&format!("{names}\n0,0,1,100,0,0\n")).refuses("forces.csv: line 2: no position in or near the volume");
-    with("fx,fy_n,fz_n,bx_mt,by_mt,bz_mt\n0,0,1,0,0,2\n").refuses("the column fx has no unit: rename it, as in fx_n");
+    with("fx,fy_n,fz_n,bx_mt,by_mt,bz_mt\n0,0,1,0,0,2\n")
+        .refuses("the column fx of the force has no unit: rename, as in fx_n, or give --unit");
 }
 
 /// A slipped force, a missing one and a wild reading do not change the stiffness. They are named.

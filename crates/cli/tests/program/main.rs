@@ -22,6 +22,7 @@ mod fuzz;
 mod help;
 mod hints;
 mod import;
+mod measured_files;
 mod point_files;
 #[cfg(target_os = "linux")]
 mod progress;

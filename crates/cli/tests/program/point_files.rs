@@ -61,20 +61,21 @@ fn columns_name_their_unit_in_any_form() {
 
 #[test]
 fn units_that_are_missing_or_contradict_are_named() {
-    let bare = "points.csv: line 1: columns x, y, z without a unit: rename, as in x_mm,y_mm,z_mm, or give --unit mm or --unit m";
+    let bare = "points.csv: line 1: the columns x, y, z of the position have no unit: rename, as in x_mm, or give \
+                --unit, with one of: mm, cm, m, um, nm, in, mil";
     refused("x,y,z\n1,2,3\n", &[], bare);
-    refused("# x y z\n1 2 3\n", &[], "line 1: columns x, y, z without a unit");
-    refused("x_mm,y_mm,z_mm\n1,2,3\n", &["--unit", "m"], "x_mm, y_mm, z_mm contradicts --unit m: leave out the option");
+    refused("# x y z\n1 2 3\n", &[], "line 1: the columns x, y, z of the position have no unit");
     refused(
-        "x_inch,y_mm,z_mm\n1,2,3\n",
-        &[],
-        "line 1: no column x_mm, must have x_mm,y_mm,z_mm (found: x_inch,y_mm,z_mm)",
+        "x_mm,y_mm,z_mm\n1,2,3\n",
+        &["--unit", "m"],
+        "--unit m contradicts the columns x_mm, y_mm, z_mm of the position: leave it out or rename",
     );
     refused(
-        "x_mm,x_m,y_mm,z_mm\n1,2,3,4\n",
+        "x_feet,y_mm,z_mm\n1,2,3\n",
         &[],
-        "more than one column of a coordinate: x_mm, x_m, must have one of each",
+        "line 1: the column x_feet of the position has the unit feet, must be one of: mm, cm, m, um, nm, in, mil",
     );
+    refused("x_mm,x_m,y_mm,z_mm\n1,2,3,4\n", &[], "more than one column x of the position: x_mm, x_m");
     refused("1,2,3\n4,5,6\n", &[], "line 1: has no names of columns, must begin with the line x_mm,y_mm,z_mm");
     Sandbox::new()
         .run(&["field", &shipped("single-tile"), "--unit", "mm"])

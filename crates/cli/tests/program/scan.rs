@@ -137,8 +137,10 @@ fn scans_that_cannot_be_fitted_are_refused() {
     with(&format!("{names}\n0,0,-4,0,0,3\n"))
         .refuses("scan.csv: too few readings for the parameters: 1, must be at least 5");
     with(&format!("{names}\n{}", "0,0,-4,0,0,3\n".repeat(9))).refuses("scan.csv: the scan does not determine ");
-    with("x,y,z,bx_mt,by_mt,bz_mt\n0,0,-4,0,0,3\n").refuses("line 1: the column x has no unit: rename it, as in x_mm");
-    with("bx_mt,by_mt,bz_mt\n0,0,3\n").refuses("has no column x with a unit, such as x_mm or x (mm)");
+    with("x,y,z,bx_mt,by_mt,bz_mt\n0,0,-4,0,0,3\n")
+        .refuses("line 1: the columns x, y, z of the position have no unit: rename, as in x_mm, or give --unit");
+    with("bx_mt,by_mt,bz_mt\n0,0,3\n")
+        .refuses("line 1: no columns x_mm, y_mm, z_mm of the position (found: bx_mt,by_mt,bz_mt)");
     with(&format!("{names}\n0,0,-4,0,a,3\n")).refuses("line 2: by_mt = \"a\", must be a finite number");
 }
 

@@ -117,10 +117,13 @@ fn faulty_files_of_readings_are_refused() {
         sandbox.run(&[&["read", "b.csv", "--layout", &film], options].concat())
     };
     with("bx_mt,by_mt,bz_mt\n", &[]).refuses("b.csv: has no readings below its names of columns");
-    with("bx_mt,by_mt\n1,2\n", &[]).refuses("b.csv: line 1: has no column bz with a unit, such as bz_mt or bz (mT)");
-    with("bx_mt,by,bz_mt\n1,2,3\n", &[]).refuses("b.csv: line 1: the column by has no unit: rename it, as in by_mt");
-    with("bx_mt,by_mt,bz_g\n1,2,3\n", &[]).refuses("the column bz_g has the unit g, must be one of: mT, uT, ");
-    with("bx_mt,by_mt,bz_mt\n1,2,3\n", &["--unit", "t"]).refuses("--unit contradicts the column bx_mt");
+    with("bx_mt,by_mt\n1,2\n", &[]).refuses("b.csv: line 1: no column bz_mt of the flux density (found: bx_mt,by_mt)");
+    with("bx_mt,by,bz_mt\n1,2,3\n", &[])
+        .refuses("b.csv: line 1: the column by of the flux density has no unit: rename, as in bx_mt, or give --unit");
+    with("bx_mt,by_mt,bz_v\n1,2,3\n", &[])
+        .refuses("the column bz_v of the flux density has the unit v, must be one of: T, mT, uT, ");
+    with("bx_mt,by_mt,bz_mt\n1,2,3\n", &["--unit", "t"])
+        .refuses("--unit T contradicts the columns bx_mt, by_mt, bz_mt of the flux density");
     with("bx_mt,by_mt,bz_mt\n1,x,3\n1,2\n", &[]).refuses("line 2: by_mt = \"x\", must be a finite number");
     with("bx,by,bz\n0,0,2\n", &["--noise", "0uT"]).refuses_arguments("0uT: must be above 0 and at most 1 T");
     with("bx,by,bz\n0,0,2\n", &["-o", "b.vtp"]).refuses("readings have no place in VTK");

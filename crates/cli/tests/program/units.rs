@@ -64,13 +64,13 @@ fn units_and_bare_numbers_are_the_same_film() {
 #[test]
 fn wrong_units_are_named() {
     let refused = |options: &[&str], message: &str| splice(options).1.refuses_arguments(message);
-    let length = "must be a length in mm, cm, um, µm, m; a number without a unit is in mm";
+    let length = "must be a length in mm, cm, m, um, nm, in, mil; a number without a unit is in mm";
     refused(
         &["--wavelength", "8kg"],
         &format!("invalid value '8kg' for '--wavelength <MM>': has the unit kg, {length}"),
     );
     refused(&["--wavelength", "8mT"], &format!("has the unit mT, {length}"));
-    refused(&["--wavelength", "8", "--film", "16x16in"], &format!("has the unit in, {length}"));
+    refused(&["--wavelength", "8", "--film", "16x16ft"], &format!("has the unit ft, {length}"));
     refused(
         &["--wavelength", "8", "--film", "16mmx16"],
         "has a unit for the first length only, must have it at the end, as in 16x16mm",
@@ -81,12 +81,12 @@ fn wrong_units_are_named() {
     );
     refused(
         &["--wavelength", "8", "--film", "16x16", "--remanence", "0.12A/m"],
-        "has the unit A/m, must be a flux density in mT, uT, µT, nT, T",
+        "has the unit A/m, must be a flux density in T, mT, uT, nT, G",
     );
     refused(&["--wavelength", "8", "--film", "16x16", "--distance", "3mm"], "must be two lengths with .. between them");
     refused(
         &["--wavelength", "eight"],
-        "must be a number with or without a unit (mm, cm, um, µm, m), such as 8mm or 8",
+        "must be a number with or without a unit (mm, cm, m, um, nm, in, mil), such as 8mm or 8",
     );
 }
 
@@ -123,7 +123,7 @@ fn tolerances_take_both_signs_for_micro() {
     assert_eq!(accuracy("1e-7"), serde_json::json!({ "relative": 1e-7 }));
     sandbox
         .run(&["compare", &film, "--within", "1mm"])
-        .refuses_arguments("has the unit mm, must be a flux density in mT,");
+        .refuses_arguments("has the unit mm, must be a flux density in T, mT,");
     for (within, fraction) in [("5%", "0.05"), ("10 %", "0.1"), ("0.1%", "0.001"), ("%", "0.05")] {
         let said = sandbox.run(&["compare", &film, "--within", within]);
         said.refuses_arguments(&format!(
@@ -132,7 +132,8 @@ fn tolerances_take_both_signs_for_micro() {
         ));
     }
     sandbox.run(&["compare", &film, "--within", "1kT"]).refuses_arguments(
-        "has the unit kT, must be a flux density in mT, uT, µT, nT, T; a number without a unit is a fraction of |B|",
+        "has the unit kT, must be a flux density in T, mT, uT, nT, G, mG, kG, Oe, mOe, kOe; a number without a unit is a \
+         fraction of |B|",
     );
     sandbox.run(&["compare", &film, "--within", "-1nT"]).refuses_arguments("for '--within <TOLERANCE>'");
 }

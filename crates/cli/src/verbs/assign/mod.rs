@@ -34,7 +34,8 @@ mod text;
 /// its polarization (jx_t, jy_t, jz_t), magnetization (mx_a_per_m, ...), moment (moment_x_a_m2,
 /// ...) or strength (strength_t, with or without direction_deg and tilt_deg). Axes are the axes of
 /// the part: x along its first side, y along its second, z up. Measured sides are in size_x_mm,
-/// size_y_mm, size_z_mm. Tiles in excess of the places are spares.
+/// size_y_mm, size_z_mm. Tiles in excess of the places are spares. Tiles whose magnetization is
+/// missing are left out.
 ///
 /// The tiles are placed so that the displacement error of the film is least: local searches from
 /// many starts, by the exact derivatives and then the exact field. The result is a layout with the
@@ -100,7 +101,7 @@ pub(crate) fn run(args: &AssignArgs, quiet: bool) -> Result<(), Failure> {
     #[cfg(feature = "report")]
     let page = args.page.as_deref().map(|page| session.output(Some(page), inputs())).transpose()?;
 
-    let measured = measured_tiles::read(&args.measured, &session.layout)?;
+    let measured = measured_tiles::read(&args.measured, &session.layout, &|remark| session.tell(remark))?;
     let mut groups = measured.groups;
     let shims = shims(args, &session.layout, &mut groups)?;
     let (partly, ignored) = match &args.placed {

@@ -15,10 +15,11 @@ use magsplice_report::diagnosis_figure;
 
 use super::scan::{refused, tell_excluded};
 use crate::args::fit::FitArg;
+use crate::args::given_units::{GivenUnits, given_units};
 use crate::args::preset::PresetArgs;
 use crate::args::readings::noise;
 use crate::failure::Failure;
-use crate::inputs::readings::Scan;
+use crate::inputs::readings::{self, Readings};
 use crate::output::destination::print;
 use crate::output::{PROGRAM, json};
 use crate::remarks;
@@ -48,6 +49,10 @@ pub(crate) struct DiagnoseArgs {
     /// bx (uT); - is standard input
     #[arg(long, value_name = "FILE")]
     scan: PathBuf,
+    /// Units of columns without a unit in their names, such as uT, or mm,uT; the line of column
+    /// names is still required
+    #[arg(long, value_name = "UNITS", value_parser = given_units)]
+    unit: Option<GivenUnits>,
     /// Standard deviation of a reading, such as 10uT, or of its x, y and z: 5uT,5uT,8uT [default:
     /// the noise of [sensor] in the layout]
     #[arg(long, value_name = "NOISE", value_parser = noise)]
@@ -109,7 +114,8 @@ pub(crate) fn run(args: &DiagnoseArgs, quiet: bool) -> Result<(), Failure> {
     // A scan without noise is refused before its file is read.
     let known = Film::rigid(session.layout.clone()).scan_noise_t(args.noise);
     known.map_err(|_| session.no_noise("--noise, such as 10uT"))?;
-    let Scan { points_mm, readings_t, lines } = Scan::read(&args.scan)?;
+    let Readings { beside: points_mm, readings_t, lines } =
+        readings::at_positions(&session, &args.scan, args.unit.as_ref())?;
     let element = session.layout.sensor.as_ref().map(|sensor| sensor.element).unwrap_or_default();
     if element.plates != [DVec3::ZERO; 3] || element.active_area != [0.0; 2] {
         let layout = args.layout.display();

@@ -13,9 +13,10 @@ use magsplice_report::scan_figures;
 
 use crate::args::fit::FitArg;
 use crate::args::formats::{ResultArgs, TableFormat};
+use crate::args::given_units::{GivenUnits, given_units};
 use crate::failure::Failure;
 use crate::faults::FaultList;
-use crate::inputs::readings::Scan;
+use crate::inputs::readings::{self, Readings};
 #[cfg(feature = "report")]
 use crate::output::folder::Folder;
 use crate::output::{choice, table};
@@ -46,6 +47,10 @@ pub(crate) struct ScanArgs {
     /// Layout file of the film
     #[arg(long, value_name = "LAYOUT")]
     layout: PathBuf,
+    /// Units of columns without a unit in their names, such as uT, or mm,uT; the line of column
+    /// names is still required
+    #[arg(long, value_name = "UNITS", value_parser = given_units)]
+    unit: Option<GivenUnits>,
     /// Parameters to fit
     #[arg(
         long,
@@ -83,7 +88,8 @@ pub(crate) fn run(args: &ScanArgs, quiet: bool) -> Result<(), Failure> {
     #[cfg(feature = "report")]
     let figures =
         args.figures.as_deref().map(|path| Folder::open(path, "scan", &[&args.layout, &args.scan])).transpose()?;
-    let Scan { points_mm, readings_t, lines } = Scan::read(&args.scan)?;
+    let Readings { beside: points_mm, readings_t, lines } =
+        readings::at_positions(&session, &args.scan, args.unit.as_ref())?;
     let found = film
         .scan(&points_mm, &readings_t, &lines, FitArg::free(&args.fit))
         .map_err(|error| refused(&session, &args.scan, &lines, error))?;
