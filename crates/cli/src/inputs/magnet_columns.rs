@@ -39,7 +39,7 @@ pub(super) fn find(finder: &mut Finder, form: MagnetForm) -> Option<MagnetColumn
     let polarization = finder.group(&POLARIZATION);
     let magnetization = finder.group(&MAGNETIZATION);
     let moment = if is_any { finder.group(&MOMENT) } else { None };
-    let strength = if is_any { finder.column(&STRENGTH) } else { None };
+    let strength = finder.column(&STRENGTH);
     let (direction, tilt) = (finder.column(&DIRECTION), finder.column(&TILT));
     let forms = [
         polarization.map(MagnetColumns::Polarization),
@@ -60,7 +60,7 @@ pub(super) fn find(finder: &mut Finder, form: MagnetForm) -> Option<MagnetColumn
         None => {
             let mut needed = vec![POLARIZATION.needed(), MAGNETIZATION.needed()];
             needed.extend(is_any.then(|| MOMENT.needed()));
-            needed.extend(is_any.then(|| STRENGTH.needed()));
+            needed.push(STRENGTH.needed());
             finder.missing(&needed);
             None
         }

@@ -21,6 +21,8 @@ use crate::text::number::counted;
 ///   size           size_x_mm, size_y_mm, size_z_mm: along the block's own axes
 ///   polarization   jx_t, jy_t, jz_t: in the block's own frame (T, mT, uT, nT, kG, G)
 ///   magnetization  mx_a_per_m, my_a_per_m, mz_a_per_m: instead of the polarization (A/m, kA/m)
+///   strength       strength_t, direction_deg, tilt_deg: instead of the polarization, its magnitude
+///                  (Br), its angle from x towards y, and its angle out of this plane (default 0)
 ///   rotation       none, or one of:
 ///                  qx, qy, qz, qw (or quat_x, ...): a quaternion of any norm, qw is the scalar
 ///                  axis_x, axis_y, axis_z, angle_deg

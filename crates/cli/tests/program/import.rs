@@ -362,6 +362,30 @@ fn metres_under_names_in_mm_are_remarked_on() {
     }
 }
 
+/// A remanence and angles, as cut lists have them, in units of catalogues.
+#[test]
+fn strength_and_direction_are_a_polarization() {
+    let place = "x_in,y_in,z_in,size_x_in,size_y_in,size_z_in";
+    let rows = "a,0,0,0,0.1,0.1,0.1,12,90,0\nb,1,0,0,0.1,0.1,0.1,13,0,90\n";
+    let found = tiles(&format!("name,{place},strength_kg,direction_deg,tilt_deg\n{rows}"), &["-q"]);
+    for (tile, polarization_t) in found.iter().zip([[0.0, 1.2, 0.0], [0.0, 0.0, 1.3]]) {
+        let number = |key: &str, axis: usize| tile[key][axis].as_f64().expect("a number");
+        for (axis, component) in polarization_t.into_iter().enumerate() {
+            assert!((number("polarization_t", axis) - component).abs() < 1e-15, "{tile}");
+            assert!((number("size_mm", axis) - 2.54).abs() < 1e-14, "{tile}");
+        }
+    }
+    let without_tilt = format!("{place},Br (T),direction_deg\n0,0,0,1,1,1,1.2,45\n");
+    assert_eq!(import(&without_tilt, &["-q"]).1.status, 0);
+    let bare = "x,y,z,dx,dy,dz,jx,jy,jz\n0,0,0,1,1,1,0,0,1.2\n";
+    assert_eq!(import(bare, &["-q", "--unit", "mm,T"]).1.status, 0);
+    refused(
+        &format!("{place},strength_t\n0,0,0,1,1,1,1\n"),
+        &[],
+        &["line 1: no column direction_deg of the direction"],
+    );
+}
+
 #[test]
 fn magnetization_without_a_unit_is_one_fault() {
     let (_, said) = import("x_mm,y_mm,z_mm,dx_mm,dy_mm,dz_mm,Mx,My,Mz\n0,0,0,1,1,1,0,0,1\n", &[]);
