@@ -23,6 +23,7 @@ mod help;
 mod hints;
 mod import;
 mod measured_files;
+mod own_files;
 mod point_files;
 #[cfg(target_os = "linux")]
 mod progress;

@@ -290,7 +290,7 @@ fn measured_planes_are_drawn_beside_simulated_ones() {
         let (full, gaps): (Vec<&str>, Vec<&str>) = table.lines().skip(1).partition(|line| !line.contains(",,"));
         for line in &full {
             let row: Vec<f64> = line.split(',').map(|cell| cell.parse().expect("a number")).collect();
-            assert!((0..3).all(|n| (row[2 + n] - row[5 + n]).abs() < 1e-7), "{name}: {line}");
+            assert!((0..3).all(|n| (row[3 + n] - row[6 + n]).abs() < 1e-7), "{name}: {line}");
         }
         assert!(full.len() >= 44 && gaps.len() <= 1, "{name}: {} and {}", full.len(), gaps.len());
     }

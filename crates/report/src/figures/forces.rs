@@ -68,7 +68,7 @@ pub fn forces_figure(layout: &Layout, loads: &FilmLoads) -> Result<Drawing, Repo
         let step = step.map_or(String::new(), |step| step.to_string());
         (format!("{},{step},", quoted(&tile.name)), [tile.tile.position(), *force_n].map(|v| v.to_array()).concat())
     };
-    let csv = csv("name,step,x_mm,y_mm,z_mm,force_x_n,force_y_n,force_z_n", tiles.iter().map(row));
+    let csv = csv("tile,step,x_mm,y_mm,z_mm,force_x_n,force_y_n,force_z_n", tiles.iter().map(row));
     FigureDraft::new("forces", caption, svg(&tiles, is_ordered), csv)?.rendered(SvgText::Text)
 }
 

@@ -42,11 +42,13 @@ pub fn layout_figure(layout: &Layout, text: SvgText) -> Result<Drawing, ReportEr
 /// The figure of these tiles of a layout.
 pub(crate) fn draft(layout: &Layout, tiles: &[&NamedTile], ranges: &SharedRanges) -> Result<FigureDraft, ReportError> {
     let caption = "The tiles seen from above, with their polarization and their names.";
+    // The columns of `import`: sides and J along the axes of the tile.
     let row = |named: &&NamedTile| {
-        let vectors = [named.tile.position(), named.tile.size(), named.tile.scene_polarization_t()];
-        (quoted(&named.name) + ",", vectors.map(|vector| vector.to_array()).concat())
+        let vectors = [named.tile.position(), named.tile.size(), named.tile.polarization_t()];
+        let numbers = vectors.into_iter().flat_map(|vector| vector.to_array());
+        (quoted(&named.name) + ",", numbers.chain(named.tile.rotation().to_array()))
     };
-    let header = "name,x_mm,y_mm,z_mm,size_x_mm,size_y_mm,size_z_mm,j_x_t,j_y_t,j_z_t";
+    let header = "name,x_mm,y_mm,z_mm,size_x_mm,size_y_mm,size_z_mm,jx_t,jy_t,jz_t,qx,qy,qz,qw";
     let drawn = draw(tiles, layout.tiles.len(), layout.volume.as_ref(), ranges);
     FigureDraft::new("layout", caption, drawn, csv(header, tiles.iter().map(row)))
 }

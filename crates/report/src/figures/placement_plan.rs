@@ -2,6 +2,7 @@
 //! mark.
 
 use glam::DVec2;
+use magsplice::making::PlanRow;
 use magsplice::prelude::Tile;
 use magsplice::results::FilmAssignment;
 use plotters::prelude::RGBColor;
@@ -58,11 +59,14 @@ pub fn placement_plan_figure(assigned: &FilmAssignment, text: SvgText) -> Result
         is_placed: row.is_placed,
     });
     let tiles: Vec<DrawnTile> = drawn.collect();
-    let row = |drawn: &DrawnTile| {
-        let [x, y, z] = drawn.tile.position().to_array();
-        (quoted(drawn.name) + ",", [x, y, z, drawn.mark_rad.to_degrees(), f64::from(u8::from(drawn.is_upright))])
+    // The columns of a plan, which `assign --placed` reads.
+    let row = |row: &PlanRow| {
+        let placed = if row.is_placed { "yes" } else { "no" };
+        let texts = [&quoted(&row.place), &quoted(&row.tile), row.up, row.mark, placed].map(|text| format!("{text},"));
+        let [x, y, z] = row.centre_mm.to_array();
+        (texts.concat(), [x, y, z, row.mark_deg])
     };
-    let csv = csv("tile,x_mm,y_mm,z_mm,mark_deg,upright", tiles.iter().map(row));
+    let csv = csv("place,tile,up,mark,placed,x_mm,y_mm,z_mm,mark_deg", assigned.plan.iter().map(row));
     FigureDraft::new("placement-plan", caption, draw(&tiles), csv)?.rendered(text)
 }
 

@@ -6,7 +6,7 @@ use magsplice::Film;
 use magsplice::results::FilmScan;
 
 use crate::colours::ColourScale;
-use crate::csv::csv;
+use crate::csv::csv_of_vectors;
 use crate::drawing::{Drawing, FigureDraft, SvgText};
 use crate::error::ReportError;
 use crate::flux_unit::{flux_unit, largest_component_t};
@@ -115,13 +115,16 @@ fn figure(
 }
 
 fn table(plane: &ScanPlane, header: &str, [measured, simulated]: &[Vec<DVec3>; 2]) -> String {
-    let [u, v] = in_plane(plane.normal).map(|axis| AXIS_NAMES[axis]);
-    let [across, along] = &plane.coordinates_mm;
-    let places = across.iter().flat_map(|u| along.iter().map(move |v| [*u, *v]));
-    let row = |((place, measured), simulated): (([f64; 2], &DVec3), &DVec3)| {
-        (String::new(), place.into_iter().chain(measured.to_array()).chain(simulated.to_array()))
+    let [u, v] = in_plane(plane.normal);
+    let place = |across: f64, along: f64| {
+        let mut place = DVec3::splat(plane.at_mm);
+        (place[u], place[v]) = (across, along);
+        place
     };
-    csv(&format!("{u}_mm,{v}_mm,{header}"), places.zip(measured).zip(simulated).map(row))
+    let [across, along] = &plane.coordinates_mm;
+    let places = across.iter().flat_map(|u| along.iter().map(move |v| place(*u, *v)));
+    let rows = places.zip(measured).zip(simulated).map(|((place, measured), simulated)| [place, *measured, *simulated]);
+    csv_of_vectors(&format!("x_mm,y_mm,z_mm,{header}"), rows)
 }
 
 /// Lower and upper side of a map whose cells have the points at their centres.
