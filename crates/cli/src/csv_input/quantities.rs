@@ -106,16 +106,28 @@ pub(crate) const fn text(name: &'static str, column: &'static [&'static str]) ->
 impl<const N: usize> Group<N> {
     /// How well a line has a name for each column, with a known unit or none.
     pub(crate) fn fit(&self, names: &[String]) -> Fit {
+        self.fit_of(names, N)
+    }
+
+    /// The same for a name of any column.
+    pub(crate) fn partial_fit(&self, names: &[String]) -> Fit {
+        self.fit_of(names, 1)
+    }
+
+    /// How well a line has names for `least` of the columns.
+    fn fit_of(&self, names: &[String], least: usize) -> Fit {
         // The column with a unit comes before one without.
-        let unit = |bases: &[&str]| {
+        let unit = |bases: &&[&str]| {
             let units = names.iter().filter_map(|name| self.known_unit(name, bases));
             units.max_by_key(|unit| !unit.is_empty())
         };
-        let Some(units) = self.columns.iter().map(|bases| unit(bases)).collect::<Option<Vec<String>>>() else {
-            return Fit::None;
-        };
+        let units: Vec<String> = self.columns.iter().filter_map(unit).collect();
         let has_unit = self.units.is_empty() || units.iter().any(|unit| !unit.is_empty());
-        if has_unit { Fit::Complete } else { Fit::Bare }
+        match (units.len() >= least, has_unit) {
+            (false, _) => Fit::None,
+            (true, false) => Fit::Bare,
+            (true, true) => Fit::Complete,
+        }
     }
 
     /// The unit in the name of a column with one of these names. Empty without a unit, `None` for

@@ -212,12 +212,12 @@ impl Cells<'_> {
     }
 
     /// The measured vector in these cells, or `None` after adding faults. A component that was not
-    /// measured is NaN.
-    pub(crate) fn measured(&mut self, columns: &[Column; 3]) -> Option<DVec3> {
+    /// measured, or has no column, is NaN.
+    pub(crate) fn measured(&mut self, columns: &[Option<Column>; 3]) -> Option<DVec3> {
         let before = self.faults.len();
-        let components = columns.map(|column| match is_missing(self.text(column)) {
-            true => f64::NAN,
-            false => self.number(column),
+        let components = columns.map(|column| match column {
+            Some(column) if !is_missing(self.text(column)) => self.number(column),
+            _ => f64::NAN,
         });
         (self.faults.len() == before).then_some(DVec3::from(components))
     }

@@ -33,7 +33,7 @@ enum Beside {
     Nothing,
     /// In millimetres. A reading without a position is left out.
     Position,
-    /// In newton.
+    /// In newton. Components without a column were not measured.
     Force,
 }
 
@@ -54,7 +54,7 @@ pub(crate) fn with_forces(session: &Session, path: &Path, units: Option<&GivenUn
 
 /// Columns of a vector beside the reading, if there is one, and of the reading.
 struct Columns {
-    beside: Option<[Column; 3]>,
+    beside: Option<[Option<Column>; 3]>,
     reading: [Column; 3],
 }
 
@@ -68,12 +68,20 @@ fn read(session: &Session, path: &Path, units: Option<&GivenUnits>, beside: Besi
     let no_units = GivenUnits::default();
     let fit = |names: &[String]| {
         let reading = READING.fit(names).max(FIELD_STRENGTH.fit(names));
-        group.map_or(reading, |group| reading.min(group.fit(names)))
+        reading.min(match beside {
+            Beside::Nothing => reading,
+            Beside::Position => POSITION.fit(names),
+            Beside::Force => FORCE.partial_fit(names),
+        })
     };
     let find = |finder: &mut Finder| {
-        let beside = group.map(|group| finder.required(group));
+        let beside = match beside {
+            Beside::Nothing => Some(None),
+            Beside::Position => finder.required(&POSITION).map(|columns| Some(columns.map(Some))),
+            Beside::Force => force_columns(finder).map(Some),
+        };
         let reading = reading_columns(finder, session);
-        Some(Columns { beside: beside.map_or(Some(None), |found| found.map(Some))?, reading: reading? })
+        Some(Columns { beside: beside?, reading: reading? })
     };
     let rows = Rows::open(path, FORM, &example, Some(units.unwrap_or(&no_units)), fit, find)?;
     let (found, lines) = rows
@@ -109,6 +117,16 @@ fn at_limit(session: &Session, readings_t: &[DVec3]) -> Option<String> {
     Some(found + &larger_range(sensor, readings_t).unwrap_or(correction))
 }
 
+/// The columns of the forces, one at least.
+fn force_columns(finder: &mut Finder) -> Option<[Option<Column>; 3]> {
+    let columns = finder.partial_group(&FORCE);
+    if columns.iter().all(Option::is_none) {
+        finder.missing(&[FORCE.needed()]);
+        return None;
+    }
+    Some(columns)
+}
+
 /// The columns of the readings. Counts are converted by the sensor of the layout.
 fn reading_columns(finder: &mut Finder, session: &Session) -> Option<[Column; 3]> {
     let Some(mut columns) = finder.group(&READING).or_else(|| finder.group(&FIELD_STRENGTH)) else {
@@ -136,12 +154,12 @@ fn reading_columns(finder: &mut Finder, session: &Session) -> Option<[Column; 3]
 
 /// The vector beside the reading of a row, and the reading.
 fn row(columns: &Columns, cells: &mut Cells, is_position: bool) -> Option<(DVec3, DVec3)> {
-    let missing = columns.beside.filter(|beside| is_position && cells.is_any_missing(beside));
-    if missing.is_some() {
+    let position: Vec<Column> = columns.beside.filter(|_| is_position).into_iter().flatten().flatten().collect();
+    if cells.is_any_missing(&position) {
         cells.leave_out("a coordinate of its position is missing");
         return None;
     }
     let beside = columns.beside.map_or(Some(DVec3::ZERO), |beside| cells.measured(&beside));
-    let reading = cells.measured(&columns.reading);
+    let reading = cells.measured(&columns.reading.map(Some));
     Some((beside?, reading?))
 }

@@ -31,8 +31,8 @@ use crate::text::{header, rows};
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  magsplice calibrate forces.csv --layout film.toml --zero 20")]
 pub(crate) struct CalibrateArgs {
-    /// CSV file with columns fx_n, fy_n, fz_n and bx_mt, by_mt, bz_mt, or in other units, such as
-    /// Fx (mN) and Bx (uT); - is standard input
+    /// CSV file with columns fx_n, fy_n, fz_n (one at least) and bx_mt, by_mt, bz_mt, or in other
+    /// units, such as Fx (mN) and Bx (uT); - is standard input
     readings: PathBuf,
     /// Layout file of the film
     #[arg(long, value_name = "LAYOUT")]

@@ -185,4 +185,12 @@ fn negative_and_missing_stiffnesses_are_named() {
     assert!((number(&found["by_field"]["z"]["stiffness_n_per_mm"]) - 1.0).abs() < 1e-6, "{found}");
     assert_eq!(found["by_field"]["x"], Value::Null);
     assert!(said.stderr.contains("no stiffness along x: "), "{}", said.stderr);
+    // A press measures the normal force alone.
+    let normal_alone: String = sandbox.read("forces.csv").replace("fx_n,fy_n,", "").replace("\n0,0,", "\n");
+    sandbox.write("forces.csv", &normal_alone);
+    let said = sandbox.run(&["calibrate", "forces.csv", "--layout", &film, "--format", "json"]);
+    assert_eq!(said.status, 0, "{}", said.stderr);
+    let alone: Value = serde_json::from_str(&said.stdout).expect("JSON");
+    assert_eq!(alone["by_field"]["z"], found["by_field"]["z"]);
+    assert_eq!(alone["excluded"]["incomplete"], serde_json::json!([]));
 }
