@@ -49,10 +49,8 @@ pub struct SampledFilm {
     /// Nominal values and statistics.
     #[serde(flatten)]
     pub figures: Figures<SampledFigure>,
-    /// The share of the samples that keep the bounds of `[expect]`. `None` without bounds.
-    #[serde(rename = "yield")]
-    pub yield_share: Option<Estimate>,
     /// The share of the samples that keep all bounds of `[expect.made]`. `None` without bounds.
+    /// Bounds of `[expect]` are for the film as ordered, and no sample is compared with them.
     pub yield_made: Option<Estimate>,
 }
 
@@ -140,14 +138,13 @@ impl FilmSampling {
         let (nominal, statistics) = (self.nominal()?, statistics(samples).expect("at least one sample"));
         let sampled =
             |figure| Some(SampledFigure { nominal: *nominal.get(figure)?, statistics: *statistics.get(figure)? });
-        let expectations = &self.film.layout().expectations;
+        let made = &self.film.layout().expectations.made;
         Ok(SampledFilm {
             source: Source::of(&self.film),
             run,
             sorting,
             figures: Figures::from_fn(sampled).expect("only a uniformity is undefined"),
-            yield_share: keeping(&expectations.bounds, samples),
-            yield_made: expectations.made.as_ref().and_then(|made| keeping(&made.bounds, samples)),
+            yield_made: made.as_ref().and_then(|made| keeping(&made.bounds, samples)),
         })
     }
 

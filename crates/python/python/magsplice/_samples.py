@@ -28,7 +28,6 @@ class SampledFilm(OfFilm, Figures[SampledFigure]):
     seed: int = key("Seed of the samples.")
     first: int = key("Number of the first sample.")
     count: int = key("Number of samples.")
-    yield_: Estimate | None = key("Share that keeps ``[expect]``; None without bounds.", Estimate)
     yield_made: Estimate | None = key(
         "Share that keeps ``[expect.made]``; None without bounds.", Estimate
     )

@@ -40,8 +40,8 @@ use sample_file::{MAX_SAMPLES, SampleFormat};
 /// Each sample is a film whose tiles are misplaced, turned, cut to wrong sizes, and of wrong
 /// strength and direction. The surroundings and the sensor also have the errors of [tolerance]. The
 /// exact field gives the uniformity RMSE, the displacement RMSE and the amplitude. The result has
-/// their mean and percentiles with intervals of 95 % confidence, and the share of the films that
-/// keep the bounds of [expect] and [expect.made].
+/// their mean and percentiles with intervals of 95 % confidence, and the yield: the share of the
+/// films that keep the bounds of [expect.made]. Bounds of [expect] are for the film as ordered.
 ///
 /// Sample i depends on the seed and on i alone, so that machines can share the work: see --first.
 /// Ctrl-C ends the run with the result so far.
