@@ -176,7 +176,7 @@ def test_tolerances_are_those_of_the_program(published):
         5: "5 is 500 % of |B|, must be a fraction below 0.1; a field has a unit, as in 5nT",
         0.1: "0.1 is 10 % of |B|",
         "5%": "a fraction of |B| is written without a unit: 0.05",
-        "1mm": "has the unit mm, must be a flux density in mT",
+        "1mm": "has the unit mm, must be a flux density in T, mT",
         "x": "must be a number",
         0: "must be a finite number above zero",
         np.inf: "must be a finite number above zero",
