@@ -190,8 +190,8 @@ mod tests {
         }
     }
 
-    /// The values of the datasheet that it also states in its text: the range of the highest gain is
-    /// at least 4.8 mT, gains differ by a factor of five, and the magnet saturates at 50 mT.
+    /// The values of the datasheet that it also states in its text: the range of the highest gain
+    /// is at least 4.8 mT, gains differ by a factor of five, and the magnet saturates at 50 mT.
     #[test]
     fn gains_are_those_of_the_datasheet() {
         let part = Part::named("MLX90393").unwrap();
