@@ -17,9 +17,9 @@ pub(crate) const OUTLIER: f64 = 6.0;
 /// The standard deviation of normal errors over the median of their magnitudes.
 pub(crate) const DEVIATION_OVER_MEDIAN: f64 = 1.482_602_218_505_602;
 
-/// Smallest assumed noise, as a fraction of the root mean square of the readings, so that round-off
-/// has no outliers.
-const LEAST_NOISE: f64 = 1e-12;
+/// Smallest assumed noise, as a fraction of the root mean square of the readings. Computed readings
+/// have six digits or more, and the rounding of the last one has no outliers; no sensor is better.
+const LEAST_NOISE: f64 = 1e-6;
 
 /// Largest number of rounds that search and exclude outliers.
 const OUTLIER_ROUNDS: usize = 20;

@@ -59,9 +59,12 @@ impl Stiffness {
     /// of the outliers in ascending order. The model has normal errors of the forces; the intervals
     /// are Student's. Pairs with a value that is not finite are ignored.
     ///
-    /// The first line is the repeated median of A. F. Siegel, Biometrika 69, 242 (1982), which half
-    /// of the forces determine. Forces farther from the line than six standard deviations are
-    /// excluded and the rest is fitted by least squares, until no further force is excluded.
+    /// The first line has the median slope of all pairs of forces, weighted by the difference of
+    /// their displacements (L. A. Jaeckel, Ann. Math. Statist. 43, 1449 (1972)), so that many
+    /// readings at rest do not count. Forces farther from the line than six standard deviations
+    /// are excluded and the rest is fitted by least squares, until no further force is excluded.
+    /// The deviation is that of the 80 % nearest forces, because a line that is not straight has
+    /// its largest residuals where the film moves.
     ///
     /// Errors of the displacements flatten the line by the ratio of their variance to the variance
     /// of the displacements.
@@ -98,6 +101,10 @@ impl Stiffness {
             }
         }
         let fitted = least_squares(&points(&kept))?;
+        // Without the outliers, the film must still move.
+        if extent(&points(&kept)) < LEAST_SHARE * extent(&points(&usable)) {
+            return Err(StiffnessError::NoLine { outliers: usable.len() - kept.len(), forces: usable.len() });
+        }
         let outliers =
             usable.iter().map(|(index, _)| *index).filter(|index| kept.iter().all(|(other, _)| other != index));
         Ok((fitted, outliers.collect()))
@@ -107,11 +114,19 @@ impl Stiffness {
 /// Number of standard deviations from the line beyond which a force is an outlier.
 const OUTLIER: f64 = 6.0;
 
-/// The standard deviation of normal errors over the median of their magnitudes.
-const DEVIATION_OVER_MEDIAN: f64 = 1.482_602_218_505_602;
+/// Share of the forces, the nearest to the line, that give the standard deviation. It leaves room
+/// for [`MOST_OUTLIERS`].
+const NEAREST: f64 = 0.8;
 
-/// Smallest limit of outliers, as a fraction of the largest force: round-off has none.
-const LEAST_LIMIT: f64 = 1e-9;
+/// The standard deviation of normal errors over the 80 % quantile of their magnitudes.
+const DEVIATION_OVER_QUANTILE: f64 = 0.780_304_146_072_379;
+
+/// Smallest limit of outliers, as a fraction of the largest force: load cells are hardly better, so
+/// the round-off of exact forces has none.
+const LEAST_LIMIT: f64 = 1e-3;
+
+/// Least extent of the displacements without outliers, over the extent of all.
+const LEAST_SHARE: f64 = 0.5;
 
 /// Largest number of rounds that search and exclude outliers.
 const OUTLIER_ROUNDS: usize = 20;
@@ -130,33 +145,41 @@ fn distance((displacement, force): (f64, f64), (slope, intercept): (f64, f64)) -
 fn outlier_limit(points: &[(f64, f64)], line: (f64, f64)) -> f64 {
     let mut distances: Vec<f64> = points.iter().map(|point| distance(*point, line)).collect();
     let largest = points.iter().fold(0.0_f64, |most, (_, force)| most.max(force.abs()));
-    (OUTLIER * DEVIATION_OVER_MEDIAN * median(&mut distances)).max(LEAST_LIMIT * largest)
+    let nearest = ((NEAREST * distances.len() as f64) as usize).min(distances.len() - 1);
+    let quantile = *distances.select_nth_unstable_by(nearest, f64::total_cmp).1;
+    (OUTLIER * DEVIATION_OVER_QUANTILE * quantile).max(LEAST_LIMIT * largest)
 }
 
-fn median(values: &mut [f64]) -> f64 {
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+/// The difference of the largest and the smallest displacement.
+fn extent(points: &[(f64, f64)]) -> f64 {
+    let (least, most) =
+        points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), (d, _)| (least.min(*d), most.max(*d)));
+    most - least
 }
 
-/// Slope and intercept of the repeated median. `None` for fewer than three points, or points
+/// Slope and intercept of the weighted median line. `None` for fewer than three points, or points
 /// without extent.
 fn median_line(points: &[(f64, f64)]) -> Option<(f64, f64)> {
     if points.len() < 3 {
         return None;
     }
     let thinned: Vec<(f64, f64)> = points.iter().copied().step_by(points.len().div_ceil(MOST_POINTS)).collect();
-    let slope_from = |(d, f): (f64, f64)| {
-        let others = thinned.iter().filter(|(other, _)| *other != d);
-        let mut slopes: Vec<f64> = others.map(|(other, force)| (force - f) / (other - d)).collect();
-        (!slopes.is_empty()).then(|| median(&mut slopes))
-    };
-    let mut slopes: Vec<f64> = thinned.iter().filter_map(|point| slope_from(*point)).collect();
-    if slopes.is_empty() {
-        return None;
-    }
-    let slope = median(&mut slopes);
+    let pairs =
+        thinned.iter().enumerate().flat_map(|(n, first)| thinned[n + 1..].iter().map(move |other| (first, other)));
+    let mut slopes: Vec<(f64, f64)> = pairs
+        .map(|((d, f), (other, force))| ((force - f) / (other - d), (other - d).abs()))
+        .filter(|(_, weight)| *weight > 0.0)
+        .collect();
+    slopes.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let half = 0.5 * slopes.iter().map(|(_, weight)| weight).sum::<f64>();
+    let mut below = 0.0;
+    let (slope, _) = slopes.into_iter().find(|(_, weight)| {
+        below += weight;
+        below >= half
+    })?;
     let mut intercepts: Vec<f64> = thinned.iter().map(|(d, f)| f - slope * d).collect();
-    Some((slope, median(&mut intercepts)))
+    let middle = intercepts.len() / 2;
+    Some((slope, *intercepts.select_nth_unstable_by(middle, f64::total_cmp).1))
 }
 
 /// The line of least squares.
@@ -232,5 +255,23 @@ mod tests {
             forces[n] = 30.0 + n as f64;
         }
         assert_eq!(Stiffness::fit(&displacements, &forces), Err(StiffnessError::NoLine { outliers: 7, forces: 18 }));
+    }
+
+    /// An experiment moves the film along one axis after the other: along each, two thirds of the
+    /// readings are at rest. The displacements have errors of a tenth, such as those of a closed form.
+    #[test]
+    fn readings_at_rest_do_not_count_as_the_line() {
+        let at_rest = (0..40).map(|n| (0.02 * f64::from(n % 5 - 2), 0.0));
+        let moved = (0..20).map(|n| {
+            let d = 0.1 * f64::from(n - 10);
+            (d - 0.1 * d * d.abs(), 2.0 * d)
+        });
+        let (displacements, forces): (Vec<f64>, Vec<f64>) = at_rest.chain(moved).unzip();
+        let (line, outliers) = Stiffness::fit(&displacements, &forces).unwrap();
+        assert!((line.stiffness - 2.0).abs() < 0.3 && outliers.is_empty(), "{line:?} {outliers:?}");
+        // Exact readings have no outliers either.
+        let exact: Vec<f64> = displacements.iter().map(|d| 1.5 * d).collect();
+        let (line, outliers) = Stiffness::fit(&displacements, &exact).unwrap();
+        assert!((line.stiffness - 1.5).abs() < 1e-12 && outliers.is_empty(), "{line:?}");
     }
 }
