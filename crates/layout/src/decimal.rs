@@ -24,7 +24,7 @@ pub fn scaled(text: &str, exponent: i32) -> Option<f64> {
 const LAST_DIGITS: [i32; 2] = [15, 12];
 
 /// The number with the shortest digits of `value` and its decimal point moved by `exponent` places:
-/// 0.0033 with the exponent 3 is 3.3, which 0.0033 times 1000 is not. Numbers that are not finite
+/// 0.0041 with the exponent 3 is 4.1, which 0.0041 times 1000 is not. Numbers that are not finite
 /// are unchanged.
 pub fn shifted(value: f64, exponent: i32) -> f64 {
     // A number of up to 15 digits is the quotient of two whole numbers that are exact in binary, so
@@ -64,8 +64,8 @@ mod tests {
 
     #[test]
     fn moved_points_keep_all_digits() {
-        assert_ne!(0.0011 * 1e3, 1.1);
-        for text in ["0", "0.0011", "-0.07", "0.57", "1.23456789012345e-3", "999.999999999999", "5e-324", "1e300"] {
+        assert_ne!(0.0041 * 1e3, 4.1);
+        for text in ["0", "0.0041", "-0.07", "0.57", "1.23456789012345e-3", "999.999999999999", "5e-324", "1e300"] {
             let value: f64 = text.parse().unwrap();
             for exponent in [3, -3] {
                 assert_eq!(shifted(value, exponent), scaled(text, exponent).unwrap(), "{text} by {exponent}");
