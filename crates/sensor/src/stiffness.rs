@@ -63,8 +63,8 @@ impl Stiffness {
     /// their displacements (L. A. Jaeckel, Ann. Math. Statist. 43, 1449 (1972)), so that many
     /// readings at rest do not count. Forces farther from the line than six standard deviations
     /// are excluded and the rest is fitted by least squares, until no further force is excluded.
-    /// The deviation is that of the 80 % nearest forces, because a line that is not straight has
-    /// its largest residuals where the film moves.
+    /// The deviation is from the median of their distances, weighted by the displacement from the
+    /// middle.
     ///
     /// Errors of the displacements flatten the line by the ratio of their variance to the variance
     /// of the displacements.
@@ -114,12 +114,8 @@ impl Stiffness {
 /// Number of standard deviations from the line beyond which a force is an outlier.
 const OUTLIER: f64 = 6.0;
 
-/// Share of the forces, the nearest to the line, that give the standard deviation. It leaves room
-/// for [`MOST_OUTLIERS`].
-const NEAREST: f64 = 0.8;
-
-/// The standard deviation of normal errors over the 80 % quantile of their magnitudes.
-const DEVIATION_OVER_QUANTILE: f64 = 0.780_304_146_072_379;
+/// The standard deviation of normal errors over the median of their magnitudes.
+const DEVIATION_OVER_MEDIAN: f64 = 1.482_602_218_505_602;
 
 /// Smallest limit of outliers, as a fraction of the largest force: load cells are hardly better, so
 /// the round-off of exact forces has none.
@@ -141,13 +137,32 @@ fn distance((displacement, force): (f64, f64), (slope, intercept): (f64, f64)) -
     (force - intercept - slope * displacement).abs()
 }
 
-/// The distance from a line beyond which a force is an outlier.
+/// The distance from a line beyond which a force is an outlier. Many readings at rest, where any
+/// slope has the same force, do not count.
 fn outlier_limit(points: &[(f64, f64)], line: (f64, f64)) -> f64 {
-    let mut distances: Vec<f64> = points.iter().map(|point| distance(*point, line)).collect();
+    let middle = median(points.iter().map(|(displacement, _)| *displacement).collect());
+    let distances = points.iter().map(|point| (distance(*point, line), (point.0 - middle).abs()));
     let largest = points.iter().fold(0.0_f64, |most, (_, force)| most.max(force.abs()));
-    let nearest = ((NEAREST * distances.len() as f64) as usize).min(distances.len() - 1);
-    let quantile = *distances.select_nth_unstable_by(nearest, f64::total_cmp).1;
-    (OUTLIER * DEVIATION_OVER_QUANTILE * quantile).max(LEAST_LIMIT * largest)
+    let typical = weighted_median(distances.collect()).unwrap_or(0.0);
+    (OUTLIER * DEVIATION_OVER_MEDIAN * typical).max(LEAST_LIMIT * largest)
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+/// The value below which half of the weight is. `None` without weight.
+fn weighted_median(mut values: Vec<(f64, f64)>) -> Option<f64> {
+    values.retain(|(_, weight)| *weight > 0.0);
+    values.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let half = 0.5 * values.iter().map(|(_, weight)| weight).sum::<f64>();
+    let mut below = 0.0;
+    let at_half = values.into_iter().find(|(_, weight)| {
+        below += weight;
+        below >= half
+    });
+    at_half.map(|(value, _)| value)
 }
 
 /// The difference of the largest and the smallest displacement.
@@ -166,20 +181,9 @@ fn median_line(points: &[(f64, f64)]) -> Option<(f64, f64)> {
     let thinned: Vec<(f64, f64)> = points.iter().copied().step_by(points.len().div_ceil(MOST_POINTS)).collect();
     let pairs =
         thinned.iter().enumerate().flat_map(|(n, first)| thinned[n + 1..].iter().map(move |other| (first, other)));
-    let mut slopes: Vec<(f64, f64)> = pairs
-        .map(|((d, f), (other, force))| ((force - f) / (other - d), (other - d).abs()))
-        .filter(|(_, weight)| *weight > 0.0)
-        .collect();
-    slopes.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let half = 0.5 * slopes.iter().map(|(_, weight)| weight).sum::<f64>();
-    let mut below = 0.0;
-    let (slope, _) = slopes.into_iter().find(|(_, weight)| {
-        below += weight;
-        below >= half
-    })?;
-    let mut intercepts: Vec<f64> = thinned.iter().map(|(d, f)| f - slope * d).collect();
-    let middle = intercepts.len() / 2;
-    Some((slope, *intercepts.select_nth_unstable_by(middle, f64::total_cmp).1))
+    let slopes = pairs.map(|((d, f), (other, force))| ((force - f) / (other - d), (other - d).abs()));
+    let slope = weighted_median(slopes.collect())?;
+    Some((slope, median(thinned.iter().map(|(d, f)| f - slope * d).collect())))
 }
 
 /// The line of least squares.
