@@ -71,12 +71,13 @@ def test_noise_is_above_zero(published):
         published.read([[0, 0, 0]], constant_t=(np.nan, 0, 0))
 
 
-def test_readings_of_a_diagnosis_are_finite(published):
+def test_missing_readings_of_a_diagnosis_are_excluded(published):
     points = np.random.default_rng(1).uniform((-3, -3, -2), (3, 3, -1), (60, 3))
     readings = published.b(points)
     readings[3, 1] = np.nan
-    with pytest.raises(magsplice.MagspliceError, match=r"reading\[3\] is not finite"):
-        published.diagnose(points, readings, noise_t=1e-6)
+    found = published.diagnose(points, readings, noise_t=1e-6)
+    assert found.excluded.incomplete == [3]
+    assert found.faulty == []
 
 
 def test_numbers_of_samples_are_whole_and_in_range(published):
