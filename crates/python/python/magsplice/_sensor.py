@@ -15,7 +15,14 @@ from magsplice._results import key
 from magsplice._source import OfFilm
 
 #: Meanings of the numbers in `Readings.status`.
-STATUS = ("in the volume", "outside the volume", "ambiguous", "not found", "saturated", "incomplete")
+STATUS = (
+    "in the volume",
+    "outside the volume",
+    "ambiguous",
+    "not found",
+    "saturated",
+    "incomplete",
+)
 
 #: Names of the columns of arrays.
 _COLUMNS = {
