@@ -9,9 +9,7 @@ use magsplice_ideal::{Comparison, IdealFilm};
 use magsplice_layout::{Layout, WorkingVolume};
 use magsplice_magnet::{BoundingBox, Grid, Permeability, Quantity, Tile};
 use magsplice_recoil::tolerances::MAX_CELLS;
-use magsplice_recoil::{
-    DemagnetizedCell, Magnetization, RecoilTile, RefinementError, RefinementSettings, TileChange, refine,
-};
+use magsplice_recoil::{DemagnetizedCell, Magnetization, RecoilTile, RefinementError, TileChange, refine_within};
 use serde::Serialize;
 
 use crate::film_error::FilmError;
@@ -122,25 +120,24 @@ impl FilmRecoil {
             );
             values
         };
-        let first_order = Stage::uncounted("effect of recoil, to first order");
-        progress.show(first_order);
         let of_field = 3 * points.len();
         let bare = layout.bare_tiles();
         let rigid = quantity(&bare);
-        let first_order = Magnetization::first_order(&tiles, 1, |_| progress.show(first_order))
-            .map_err(|error| failed(RefinementError::Recoil(error)))?;
-        let change_t = largest_vector(&differences(&quantity(first_order.cells())[..of_field], &rigid[..of_field]));
-        let mut tolerances = vec![f64::INFINITY; rigid.len()];
-        tolerances[..of_field].fill(TOLERANCE_MARGIN * layout.material.recoil_error * change_t);
-        let settings = RefinementSettings { tolerances, most_cells: MAX_CELLS };
+        let tolerances = |rigid: &[f64], values: &[f64]| {
+            let change_t = largest_vector(&differences(&values[..of_field], &rigid[..of_field]));
+            let mut tolerances = vec![f64::INFINITY; rigid.len()];
+            tolerances[..of_field].fill(TOLERANCE_MARGIN * layout.material.recoil_error * change_t);
+            tolerances
+        };
         let told = |level: usize| progress.show(Stage { name: "polarization, level", done: level, of: None, unit: "" });
-        let refined = refine(&tiles, &settings, quantity, told).map_err(failed)?;
+        let refined = refine_within(&tiles, MAX_CELLS, tolerances, quantity, told).map_err(failed)?;
         let values = quantity(refined.magnetization.cells());
         // The field is that of the cells, not the extrapolated one.
         let offsets = differences(&values, &refined.values);
         let errors: Vec<f64> = refined.errors.iter().zip(offsets).map(|(error, offset)| error + offset.abs()).collect();
-        let found = figures.as_ref().map(|grid| {
-            let [without, with_recoil, errors] = [&rigid, &values, &errors].map(|flat| grid.unflat(&flat[of_field..]));
+        let of_rigid = figures.as_ref().and_then(|grid| grid.figures(&Scene::new(&bare)));
+        let found = of_rigid.map(|without| {
+            let [with_recoil, errors] = [&values, &errors].map(|flat| unflat(&without, &flat[of_field..]));
             FiguresWithRecoil { without, with_recoil, errors }
         });
         let tile_changes = refined.magnetization.tile_changes();
@@ -273,16 +270,13 @@ impl<'a> FigureGrid<'a> {
         let decoupling = Decoupling::from_field(&self.grid, &field_t, (reference_mm, reference_t), self.ideal).ok()?;
         Some(Figures::new(&decoupling, comparison.amplitude))
     }
+}
 
-    /// Figures from values in the order of [`Figure::ALL`], without an undefined uniformity.
-    fn unflat(&self, values: &[f64]) -> Figures {
-        let is_defined = |figure| match figure {
-            Figure::Uniformity(parameter) => self.grid.plane_len(parameter.axis().index()) > 1,
-            _ => true,
-        };
-        let value = |figure: Figure| is_defined(figure).then(|| values[figure.index()]);
-        Figures::from_fn(value).expect("displacements and the amplitude are defined")
-    }
+/// Figures from values in the order of [`Figure::ALL`], without those that are undefined for the
+/// rigid film.
+fn unflat(rigid: &Figures, values: &[f64]) -> Figures {
+    let value = |figure: Figure| rigid.get(figure).map(|_| values[figure.index()]);
+    Figures::from_fn(value).expect("displacements and the amplitude are defined")
 }
 
 /// The values of figures in the order of [`Figure::ALL`]. An undefined uniformity is 0, which

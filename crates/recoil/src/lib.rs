@@ -84,4 +84,6 @@ pub use knee::DemagnetizedCell;
 pub use magnetization::{Magnetization, TileChange};
 pub use magsplice_magnet::{InvalidPermeability, MAX_PERMEABILITY, Permeability};
 pub use material::RecoilTile;
-pub use refinement::{Refined, RefinementError, RefinementSettings, extrapolated_at, highest_level, refine};
+pub use refinement::{
+    Refined, RefinementError, RefinementSettings, extrapolated_at, highest_level, refine, refine_within,
+};

@@ -117,23 +117,41 @@ pub fn refine(
     quantity: impl Fn(&[Tile]) -> Vec<f64>,
     progress: impl Fn(usize) + Sync,
 ) -> Result<Refined, RefinementError> {
-    let tolerances = &settings.tolerances;
-    let most_cells = settings.most_cells.min(MAX_CELLS);
+    let RefinementSettings { tolerances, most_cells } = settings;
+    refine_within(tiles, *most_cells, |_, _| tolerances.clone(), quantity, progress)
+}
+
+/// [`refine`] to tolerances that depend on the values: `tolerances` maps the values for J_r and the
+/// extrapolated values of a level to the largest error of each. A share of the change by the
+/// permeability, for example, is known only when the change is.
+///
+/// # Errors
+/// The errors of [`refine`].
+pub fn refine_within(
+    tiles: &[RecoilTile],
+    most_cells: usize,
+    tolerances: impl Fn(&[f64], &[f64]) -> Vec<f64>,
+    quantity: impl Fn(&[Tile]) -> Vec<f64>,
+    progress: impl Fn(usize) + Sync,
+) -> Result<Refined, RefinementError> {
+    let most_cells = most_cells.min(MAX_CELLS);
     let highest = highest_level(tiles, most_cells);
     let mut levels = Levels::new(tiles, quantity);
-    let counted = |values: usize| match values == tolerances.len() {
+    let mut last_tolerances = tolerances(&levels.rigid, &levels.rigid);
+    let counted = |values: usize, tolerances: usize| match values == tolerances {
         true => Ok(()),
-        false => Err(RefinementError::Count { tolerances: tolerances.len(), values }),
+        false => Err(RefinementError::Count { tolerances, values }),
     };
-    counted(levels.rigid.len())?;
+    counted(levels.rigid.len(), last_tolerances.len())?;
     for level in 1..=highest {
         let magnetization = levels.next(&progress).map_err(RefinementError::Recoil)?;
-        counted(levels.values[level - 1].len())?;
+        counted(levels.values[level - 1].len(), levels.rigid.len())?;
         if level < levels.least() {
             continue;
         }
         let best = levels.refined(magnetization);
-        let (reached, tolerance) = farthest(&best.errors, tolerances);
+        last_tolerances = tolerances(&levels.rigid, &best.values);
+        let (reached, tolerance) = farthest(&best.errors, &last_tolerances);
         if reached <= tolerance {
             return Ok(best);
         }
@@ -147,7 +165,7 @@ pub fn refine(
             return Err(RefinementError::NotConverged { tolerance, reached, most_cells, needed_cells, best });
         }
     }
-    let tolerance = tolerances.iter().copied().fold(f64::INFINITY, f64::min);
+    let tolerance = last_tolerances.into_iter().fold(f64::INFINITY, f64::min);
     let needed_cells = count(tiles, levels.least());
     Err(RefinementError::NotConverged { tolerance, reached: f64::INFINITY, most_cells, needed_cells, best: None })
 }
