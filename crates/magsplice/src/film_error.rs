@@ -7,7 +7,7 @@ use magsplice_force::{FilmForcesError, OrderError};
 use magsplice_ideal::ComparisonError;
 use magsplice_layout::Layout;
 use magsplice_magnet::{Axis, PointErrors};
-use magsplice_making::AssignmentError;
+use magsplice_making::{AssignmentError, ShortGroup};
 use magsplice_recoil::tolerances::{MAX_CELLS, MOST_PERMEABILITY_OF_TREE};
 use magsplice_recoil::{RecoilError, RefinementError};
 use magsplice_scan::{DiagnosisError, ScanError};
@@ -54,7 +54,7 @@ pub enum FilmError {
     /// uniformity has no meaning.
     #[error(
         "the grid has one point in each plane normal to {}, and the uniformity RMSE compares the points of a plane: use a \
-         smaller step_mm in [volume]",
+         smaller step_mm in [volume], or more extent",
         .0.axis()
     )]
     OnePointPlanes(Parameter),
@@ -140,6 +140,12 @@ pub enum FilmError {
         /// Names of the tiles that the error is about.
         tiles: Vec<String>,
     },
+    /// The working volume is a point, and positions are searched along its extents.
+    #[error(
+        "[volume] is a point, and positions from readings are searched along its extents: x_mm, y_mm or z_mm needs an \
+         extent above 0"
+    )]
+    PointVolume,
     /// A placement order does not have each tile once.
     #[error("{0}")]
     Order(#[source] OrderError),
@@ -233,13 +239,14 @@ fn force_words(error: &FilmForcesError, tiles: &[String]) -> String {
 /// A failure of an assignment in the words of a layout.
 fn assignment_words(error: &AssignmentError, tile: &str, groups: &[(DVec3, usize)]) -> String {
     match error {
-        AssignmentError::TooFew { group, places, tiles } => {
-            let (DVec3 { x, y, z }, number) = (groups[*group].0, group + 1);
-            let of_places = if *places == 1 { "1 place".to_owned() } else { format!("{places} places") };
-            format!(
-                "part {number} ({x} x {y} x {z} mm, {of_places}) has {tiles} of the measured tiles: measure more, or give \
-                 the tiles already placed"
-            )
+        AssignmentError::TooFew(short) => {
+            let of_part = |ShortGroup { group, places, tiles }: &ShortGroup| {
+                let (DVec3 { x, y, z }, number) = (groups[*group].0, group + 1);
+                let of_places = if *places == 1 { "1 place".to_owned() } else { format!("{places} places") };
+                format!("part {number} ({x} x {y} x {z} mm, {of_places}) has {tiles} of the measured tiles")
+            };
+            let parts: Vec<String> = short.iter().map(of_part).collect();
+            format!("{}: measure more, or give the tiles already placed", parts.join("; "))
         }
         AssignmentError::NoOrientation { .. } => {
             format!("place \"{tile}\": its tile must be turned over: allow tiles to be turned over")

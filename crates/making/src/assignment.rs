@@ -81,20 +81,30 @@ impl Default for AssignmentSettings {
     }
 }
 
+/// A group with fewer tiles than places.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ShortGroup {
+    /// Index of the group.
+    pub group: usize,
+    /// Number of places.
+    pub places: usize,
+    /// Number of tiles.
+    pub tiles: usize,
+}
+
 /// The reason why tiles cannot be assigned.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum AssignmentError {
-    /// A group has fewer tiles than places.
-    #[error("has {tiles} tiles for {places} places")]
-    TooFew {
-        /// Index of the group.
-        group: usize,
-        /// Number of places.
-        places: usize,
-        /// Number of tiles.
-        tiles: usize,
-    },
+    /// Groups have fewer tiles than places. All of them.
+    #[error(
+        "{}",
+        .0.iter()
+            .map(|ShortGroup { group, places, tiles }| format!("group {group} has {tiles} tiles for {places} places"))
+            .collect::<Vec<_>>()
+            .join("; ")
+    )]
+    TooFew(Vec<ShortGroup>),
     /// The part of a group fits one of its places in no allowed orientation.
     #[error("its part does not fit place number {} in any allowed orientation", place + 1)]
     NoOrientation {

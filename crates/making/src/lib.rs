@@ -35,7 +35,7 @@ mod shims;
 /// Samples of films with sorted tiles.
 mod sorted_films;
 
-pub use assignment::{Assignment, AssignmentError, AssignmentSettings, CutTile, PlaceGroup, PlacedTile};
+pub use assignment::{Assignment, AssignmentError, AssignmentSettings, CutTile, PlaceGroup, PlacedTile, ShortGroup};
 pub use measured_box::{MeasuredBox, MeasuredMagnet, MeasuredTile};
 pub use measurement::MeasurementErrors;
 pub use orientation::Orientation;

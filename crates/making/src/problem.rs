@@ -5,7 +5,7 @@ use magsplice_magnet::{Tile, TileFaults};
 use magsplice_tolerance::TileChanges;
 use rayon::prelude::*;
 
-use crate::assignment::{Assignment, AssignmentError, AssignmentSettings, CutTile, PlaceGroup, PlacedTile};
+use crate::assignment::{Assignment, AssignmentError, AssignmentSettings, CutTile, PlaceGroup, PlacedTile, ShortGroup};
 use crate::local_search::{Contribution, LocalSearch};
 use crate::orientation::Orientation;
 use crate::shims::Shims;
@@ -47,15 +47,19 @@ impl<'a> AssignmentProblem<'a> {
         shims: &[usize],
         settings: &AssignmentSettings,
     ) -> Result<AssignmentProblem<'a>, AssignmentError> {
+        let short = |(group, of): (usize, &PlaceGroup)| {
+            let (places, tiles) = (of.places.len(), of.tiles.len());
+            (tiles < places).then_some(ShortGroup { group, places, tiles })
+        };
+        let short: Vec<ShortGroup> = groups.iter().enumerate().filter_map(short).collect();
+        if !short.is_empty() {
+            return Err(AssignmentError::TooFew(short));
+        }
         let mut orientations = Vec::new();
         let mut count = 0_usize;
-        for (index, group) in groups.iter().enumerate() {
-            let (places, tiles) = (group.places.len(), group.tiles.len());
-            if tiles < places {
-                return Err(AssignmentError::TooFew { group: index, places, tiles });
-            }
+        for group in groups {
             let of_places = group.orientations_in(film, settings.may_turn_over)?;
-            count = of_places.iter().map(|of| of.len() * tiles).sum::<usize>().saturating_add(count);
+            count = of_places.iter().map(|of| of.len() * group.tiles.len()).sum::<usize>().saturating_add(count);
             orientations.push(of_places);
         }
         if count > MOST_CONTRIBUTIONS {

@@ -400,6 +400,28 @@ fn wrong_tables_are_refused_by_line() {
     placed(&format!("{0}\n{0}", rows[1])).refuses("line 3: place");
 }
 
+/// Every part that lacks tiles is named, not the first one only.
+#[test]
+fn all_parts_that_lack_tiles_are_named() {
+    let sandbox = Sandbox::new();
+    let film = shipped("designed-stock");
+    let cut = boxed(&sandbox, &film, 0);
+    let mut parts: Vec<&str> = cut.iter().map(|tile| tile.part.as_str()).collect();
+    parts.dedup();
+    let last = |part: &str| cut.iter().rposition(|tile| tile.part == part).expect("a tile of the part");
+    let lost = [last(parts[0]), last(parts[2])];
+    let kept = |index: usize| !lost.contains(&index);
+    write_box(
+        &sandbox,
+        &cut.into_iter().enumerate().filter(|(i, _)| kept(*i)).map(|(_, tile)| tile).collect::<Vec<_>>(),
+    );
+    let said = sandbox.run(&["assign", &film, "--measured", "tiles.csv", "--starts", "1"]);
+    said.refuses("tiles.csv: ");
+    assert_eq!(said.stderr.matches("of the measured tiles").count(), 2, "{}", said.stderr);
+    assert!(said.stderr.contains("part 1 (") && said.stderr.contains("part 3 ("), "{}", said.stderr);
+    assert_eq!(said.stderr.matches("measure more, or give the tiles already placed (--placed)").count(), 1);
+}
+
 /// Samples of sorted tiles are better than those of unsorted ones, and parts of them join.
 #[test]
 fn samples_of_sorted_tiles() {

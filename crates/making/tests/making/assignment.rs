@@ -3,7 +3,9 @@
 use glam::DVec3;
 use magsplice_layout::{FilmTolerance, Layout};
 use magsplice_magnet::Tile;
-use magsplice_making::{AssignmentError, AssignmentProblem, AssignmentSettings, CutTile, Orientation, PlaceGroup};
+use magsplice_making::{
+    AssignmentError, AssignmentProblem, AssignmentSettings, CutTile, Orientation, PlaceGroup, ShortGroup,
+};
 use magsplice_tolerance::{EvaluationGrid, RealFilm, TileChanges};
 
 use crate::boxed::boxed;
@@ -152,5 +154,7 @@ fn tiles_that_may_not_be_turned_over_are_not() {
     let refused = |groups: &[PlaceGroup]| AssignmentProblem::new(&model, &film, groups, &[], &settings).err();
     assert_eq!(refused(std::slice::from_ref(&group)), Some(AssignmentError::NoOrientation { place: 1 }));
     let few = PlaceGroup { tiles: vec![cut], ..group };
-    assert_eq!(refused(&[few]), Some(AssignmentError::TooFew { group: 0, places: 2, tiles: 1 }));
+    let none = PlaceGroup { tiles: Vec::new(), ..few.clone() };
+    let short = |group, tiles| ShortGroup { group, places: 2, tiles };
+    assert_eq!(refused(&[few, none]), Some(AssignmentError::TooFew(vec![short(0, 1), short(1, 0)])));
 }

@@ -169,7 +169,7 @@ fn shims(args: &AssignArgs, layout: &Layout, groups: &mut [PlaceGroup]) -> Resul
 fn assignment_failure(args: &AssignArgs, session: &Session, error: FilmError) -> Failure {
     let FilmError::Assignment { error: found, .. } = &error else { return session.failed(error) };
     let (path, option) = match found {
-        AssignmentError::TooFew { .. } => (&args.measured, " (--placed)"),
+        AssignmentError::TooFew(_) => (&args.measured, " (--placed)"),
         AssignmentError::NoOrientation { .. } => (&args.layout, " (leave out --keep-side-up)"),
         AssignmentError::Shim { .. } => (&args.layout, " (--shim)"),
         _ => (&args.layout, ""),
