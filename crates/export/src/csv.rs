@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use magsplice::results::{FilmLoads, LoadN, Rows, Table, TileLoad};
+use magsplice::results::{FilmLoads, LoadN, Table, TileLoad};
 
 /// Writes the table: the header, then the rows.
 ///
@@ -37,14 +37,15 @@ pub fn header(table: &Table, w: &mut dyn Write) -> io::Result<()> {
 /// Errors of the writer.
 pub fn rows(table: &Table, w: &mut dyn Write) -> io::Result<()> {
     let columns = table.columns();
-    let (first, others) = columns.split_first().expect("a table has a column of its rows");
     for row in 0..table.rows().len() {
-        // Debug writes an exponent where that is shorter; Display never does.
-        match table.rows() {
-            Rows::Numbered { first, .. } => write!(w, "{}", first + row as u64)?,
-            Rows::Points(_) => write!(w, "{:?}", first.get(row))?,
+        for (index, column) in columns.iter().enumerate() {
+            let comma = if index == 0 { "" } else { "," };
+            // Debug writes an exponent where that is shorter; Display never does.
+            match column.is_whole() {
+                true => write!(w, "{comma}{}", column.get(row))?,
+                false => write!(w, "{comma}{:?}", column.get(row))?,
+            }
         }
-        others.iter().try_for_each(|column| write!(w, ",{:?}", column.get(row)))?;
         writeln!(w)?;
     }
     Ok(())

@@ -7,10 +7,13 @@ use std::io::{self, BufWriter, Write};
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
-use magsplice::results::{MetadataValue, Table};
+use magsplice::results::{MetadataValue, Table, TableColumn};
 
 /// The type of a column: little-endian f64.
 const DOUBLE: &str = "'<f8'";
+
+/// The type of a column of whole numbers: little-endian i64.
+const INTEGER: &str = "'<i8'";
 
 /// Bytes before the text of a header: magic string, version, and the length of the text.
 const BEFORE_TEXT: usize = 10;
@@ -27,9 +30,19 @@ const ALIGNMENT: usize = 64;
 /// Errors of the writer.
 pub fn npy(table: &Table, w: &mut dyn Write) -> io::Result<()> {
     let columns = table.columns();
-    let fields: String = columns.iter().map(|column| format!("('{}', {DOUBLE}), ", column.name)).collect();
+    let fields: String = columns.iter().map(|column| format!("('{}', {}), ", column.name, dtype(column))).collect();
     header(&format!("[{fields}]"), &table.rows().shape(), w)?;
-    (0..table.rows().len()).try_for_each(|row| numbers(columns.iter().map(|column| column.get(row)), w))
+    let cells = (0..table.rows().len()).flat_map(|row| columns.iter().map(move |column| (column, row)));
+    cells.into_iter().try_for_each(|(column, row)| cell(column, row, w))
+}
+
+fn dtype(column: &TableColumn) -> &'static str {
+    if column.is_whole() { INTEGER } else { DOUBLE }
+}
+
+fn cell(column: &TableColumn, row: usize, w: &mut dyn Write) -> io::Result<()> {
+    let value = column.get(row);
+    w.write_all(&if column.is_whole() { (value as i64).to_le_bytes() } else { value.to_le_bytes() })
 }
 
 /// Writes an NPZ archive: one array per column, in the shape of [`Rows::shape`], and one array
@@ -52,8 +65,8 @@ pub fn npz(table: &Table, w: &mut dyn Write) -> io::Result<()> {
     for column in table.columns() {
         begin(&mut archive, column.name, 8 * table.rows().len())?;
         let mut entry = BufWriter::new(&mut archive);
-        header(DOUBLE, &shape, &mut entry)?;
-        numbers(column.values(), &mut entry)?;
+        header(dtype(&column), &shape, &mut entry)?;
+        (0..table.rows().len()).try_for_each(|row| cell(&column, row, &mut entry))?;
         entry.flush()?;
     }
     for (name, value) in table.metadata() {
@@ -75,7 +88,7 @@ fn metadata_array(value: &MetadataValue, w: &mut dyn Write) -> io::Result<()> {
             padded.into_iter().try_for_each(|point| w.write_all(&point.to_le_bytes()))
         }
         MetadataValue::Count(count) => {
-            header("'<i8'", &[], w)?;
+            header(INTEGER, &[], w)?;
             w.write_all(&(*count as u64).to_le_bytes())
         }
         MetadataValue::Numbers(values) => {

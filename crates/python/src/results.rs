@@ -19,7 +19,7 @@ pub(crate) fn dictionary<'py>(py: Python<'py>, result: &impl Serialize) -> PyRes
 /// each row of the table.
 pub(crate) fn quantities<'py>(py: Python<'py>, table: &Table) -> PyResult<Bound<'py, PyDict>> {
     let found = PyDict::new(py);
-    for ColumnQuantity { name, components, values } in table.quantities() {
+    for ColumnQuantity { name, components, values, .. } in table.quantities() {
         let rows = values.clone().into_pyarray(py).reshape([values.len() / components.len(), components.len()])?;
         found.set_item(name, (components.to_vec(), rows))?;
     }

@@ -106,6 +106,13 @@ fn readings_without_a_place_in_the_volume_are_named() {
     let named = "line 4: the position with this reading is outside the volume, at (0, 0, -2.";
     assert!(said.stderr.contains(named), "{}", said.stderr);
     assert_eq!(sandbox.run(&["read", "b.csv", "--layout", &film, "--quiet"]).stderr, "");
+    // The status is an integer in every format.
+    assert!(said.stdout.lines().nth(2).is_some_and(|line| line.ends_with(",3")), "{}", said.stdout);
+    let json = sandbox.run(&["read", "b.csv", "--layout", &film, "--format", "json"]).stdout;
+    let json: Value = serde_json::from_str(&json).expect("JSON");
+    assert_eq!(json["columns"]["status"].to_string(), "[0,3,1]");
+    assert_eq!(json["columns"]["reading"].to_string(), "[1,2,3]");
+    assert_eq!(sandbox.run(&["read", "b.csv", "--layout", &film, "-o", "b.npz"]).status, 0);
 }
 
 #[test]

@@ -68,6 +68,9 @@ fn quantities<'a>(table: &'a Table, row: impl Fn(usize) -> usize + Copy + 'a) ->
         let in_order =
             (0..table.rows().len()).map(row).flat_map(move |row| values[row * step..][..step].iter().copied());
         let components = if step == 1 { &[] } else { quantity.components };
+        if quantity.is_whole {
+            return VtkArray::integers(quantity.name, values.len(), in_order.map(|value| value as usize));
+        }
         VtkArray::floats(quantity.name, components, values.len(), in_order)
     };
     table.quantities().iter().map(array).collect()

@@ -135,8 +135,8 @@ impl FilmExperiments {
                 columns.push(column("closed_form_force_n", names, &|step| force(step.by_closed_form)));
             }
         }
-        let saturated = self.all_steps().map(|step| f64::from(u8::from(step.is_saturated)));
-        columns.push(ColumnQuantity::of_numbers(&["saturated"], saturated));
+        let saturated = self.all_steps().map(|step| step.is_saturated);
+        columns.push(ColumnQuantity::of_whole(&["saturated"], saturated));
         let rows = Rows::Numbered { name: "step", first: 1, count: self.readings };
         Table::new(rows, columns, self.source.metadata())
     }

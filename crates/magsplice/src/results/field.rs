@@ -57,7 +57,7 @@ impl PointQuantity {
                 ],
             ),
         };
-        ColumnQuantity { name, components, values }
+        ColumnQuantity { name, components, values, is_whole: false }
     }
 
     /// The values at points, for [`PointQuantity::columns`], and the points without a field, which

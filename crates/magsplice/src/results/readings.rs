@@ -191,7 +191,7 @@ impl FilmReadings {
         let columns = vectors
             .into_iter()
             .filter_map(|(name, components, values)| Some(ColumnQuantity::of_vectors(name, components, &values?)));
-        let status = ColumnQuantity::of_numbers(&["status"], self.status().map(f64::from));
+        let status = ColumnQuantity::of_whole(&["status"], self.status());
         let mut metadata = self.source.metadata();
         metadata.push(("readings", MetadataValue::Text(file.to_owned())));
         let rows = Rows::Numbered { name: "reading", first: 1, count: self.found.len() };

@@ -23,6 +23,7 @@ const COORDINATES: [&str; 3] = ["x_mm", "y_mm", "z_mm"];
 ///     name: "b_t",
 ///     components: &["bx_t", "by_t", "bz_t"],
 ///     values: vec![0.0, 0.0, 0.008, 0.001, 0.0, 0.007],
+///     is_whole: false,
 /// };
 /// let table = Table::new(points, vec![flux_density], Metadata::new());
 ///
@@ -71,6 +72,8 @@ pub struct ColumnQuantity {
     pub components: &'static [&'static str],
     /// All components of the first row, then of the second, and so on.
     pub values: Vec<f64>,
+    /// Whether all values are whole numbers, such as a status. Files have integers for them.
+    pub is_whole: bool,
 }
 
 /// Source and maker of a table: names and values.
@@ -148,7 +151,16 @@ impl From<Points> for Rows {
 impl ColumnQuantity {
     /// A number in every row.
     pub fn of_numbers(name: &'static [&'static str; 1], numbers: impl IntoIterator<Item = f64>) -> ColumnQuantity {
-        ColumnQuantity { name: name[0], components: name, values: numbers.into_iter().collect() }
+        ColumnQuantity { name: name[0], components: name, values: numbers.into_iter().collect(), is_whole: false }
+    }
+
+    /// A whole number in every row, such as a status, or 1 for yes and 0 for no.
+    pub fn of_whole<N: Into<u8>>(
+        name: &'static [&'static str; 1],
+        numbers: impl IntoIterator<Item = N>,
+    ) -> ColumnQuantity {
+        let numbers = numbers.into_iter().map(|number| f64::from(number.into()));
+        ColumnQuantity { is_whole: true, ..ColumnQuantity::of_numbers(name, numbers) }
     }
 
     /// B in every row.
@@ -158,7 +170,7 @@ impl ColumnQuantity {
 
     /// A vector in every row.
     pub fn of_vectors(name: &'static str, components: &'static [&'static str; 3], vectors: &[DVec3]) -> ColumnQuantity {
-        ColumnQuantity { name, components, values: vectors.iter().flat_map(DVec3::to_array).collect() }
+        ColumnQuantity { name, components, values: vectors.iter().flat_map(DVec3::to_array).collect(), is_whole: false }
     }
 }
 
@@ -198,7 +210,7 @@ impl Table {
     /// If a quantity does not have one value per component and row.
     pub fn new(rows: impl Into<Rows>, quantities: Vec<ColumnQuantity>, metadata: Metadata) -> Table {
         let rows = rows.into();
-        for ColumnQuantity { name, components, values } in &quantities {
+        for ColumnQuantity { name, components, values, .. } in &quantities {
             assert_eq!(values.len(), components.len() * rows.len(), "values of the quantity {name}");
         }
         Table { rows, quantities, metadata }
@@ -249,6 +261,15 @@ impl TableColumn<'_> {
         }
     }
 
+    /// Whether all numbers are whole, so that files have integers for them.
+    pub fn is_whole(&self) -> bool {
+        match (self.quantity, self.rows) {
+            (Some(quantity), _) => quantity.is_whole,
+            (None, Rows::Points(_)) => false,
+            (None, Rows::Numbered { .. }) => true,
+        }
+    }
+
     /// The numbers of all rows in order.
     pub fn values(&self) -> impl ExactSizeIterator<Item = f64> + '_ {
         (0..self.rows.len()).map(|row| self.get(row))
@@ -268,6 +289,9 @@ impl Serialize for Table {
 
 impl Serialize for TableColumn<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        if self.is_whole() {
+            return serializer.collect_seq(self.values().map(|value| value as i64));
+        }
         serializer.collect_seq(self.values())
     }
 }
@@ -294,10 +318,24 @@ mod tests {
     use super::*;
 
     #[test]
+    fn whole_numbers_are_integers() {
+        let status = ColumnQuantity::of_whole(&["status"], [0_u8, 4]);
+        let number = ColumnQuantity::of_numbers(&["number"], [1.0, 2.0]);
+        let rows = Rows::Numbered { name: "reading", first: 1, count: 2 };
+        let json = serde_json::to_string(&Table::new(rows, vec![status, number], Vec::new())).unwrap();
+        assert_eq!(json, r#"{"reading":[1,2],"status":[0,4],"number":[1.0,2.0]}"#);
+    }
+
+    #[test]
     #[should_panic = "values of the quantity b_t"]
     fn quantity_without_a_value_per_component_and_point_is_refused() {
         let points = Points::Scattered(vec![DVec3::ZERO; 2]);
-        let quantity = ColumnQuantity { name: "b_t", components: &["bx_t", "by_t", "bz_t"], values: vec![0.0; 5] };
+        let quantity = ColumnQuantity {
+            name: "b_t",
+            components: &["bx_t", "by_t", "bz_t"],
+            values: vec![0.0; 5],
+            is_whole: false,
+        };
         Table::new(points, vec![quantity], Vec::new());
     }
 }

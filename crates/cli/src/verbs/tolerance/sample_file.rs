@@ -119,6 +119,7 @@ fn table(result: &SampledFilm, samples: &[Figures]) -> Table {
         name,
         components: std::slice::from_ref(name),
         values: samples.iter().map(|figures| number(figures, figure)).collect(),
+        is_whole: false,
     };
     let quantities = Figure::ALL.into_iter().zip(&COLUMNS).map(column).collect();
     let mut metadata = result.source.layout.metadata(result.source.tiles);
