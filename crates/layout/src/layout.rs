@@ -70,7 +70,8 @@ pub struct Layout {
     pub material: Material,
     /// The steps that led to this layout, one text each.
     pub history: Vec<String>,
-    /// Depth by which tiles may overlap, in millimetres: 0 but for films as they were measured.
+    /// Depth by which tiles may overlap, in millimetres: 0 but for films as they were measured, and
+    /// for numbers with few decimals.
     pub overlap_mm: f64,
     /// All tiles, repetitions written out. No two of them overlap by more than round-off and
     /// `overlap_mm`.

@@ -70,7 +70,7 @@ pub use grid::{Grid, GridFault};
 pub use hall_sensor::{HallSensor, HallSensorFault};
 pub use height_map::{HeightMap, HeightMapError, InvalidHeightMap};
 pub use outline::convex_hull;
-pub use overlap::{Overlap, TooManyPairs, overlap, overlaps, overlaps_among};
+pub use overlap::{Overlap, TooManyPairs, box_overlap, overlap, overlaps, overlaps_among};
 pub use permeability::{InvalidPermeability, MAX_PERMEABILITY, Permeability};
 pub use pieces::{Piece, pieces};
 pub use point_error::{PointError, PointErrorCause, PointErrors, is_in_range};

@@ -7,7 +7,7 @@ use glam::{DMat3, DVec3};
 use rstar::{AABB, RTree, RTreeObject};
 
 use crate::tile::Tile;
-use crate::tolerances::{PARALLEL_EDGES, ROTATED_SEAM_ROUNDINGS, SAME_ROTATION, SEAM_ROUNDINGS, UNIT_ROUNDOFF};
+use crate::tolerances::{DEEPEST_ROUND_OFF, OVERLAP_ROUNDINGS, PARALLEL_EDGES, UNIT_ROUNDOFF};
 
 /// Two tiles that share volume.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,12 +23,27 @@ pub struct Overlap {
 }
 
 /// The depth of the overlap of two tiles and the unit vector along which the second must move to
-/// end it. `None` if they touch or overlap by no more than round-off.
+/// end it. `None` if they touch or overlap by no more than the round-off of their own coordinates;
+/// see [`OVERLAP_ROUNDINGS`].
 pub fn overlap(first: &Tile, second: &Tile) -> Option<(f64, DVec3)> {
-    Oriented::from_tile(first).penetration(&Oriented::from_tile(second))
+    let [first, second] = [first, second].map(Oriented::from_tile);
+    first.penetration(&second, first.extent.max(second.extent))
+}
+
+/// [`overlap`] of the box between two corners with a tile, which must move along the direction. The
+/// box may be a rectangle, a line or a point: it then overlaps the tiles that it enters.
+pub fn box_overlap(lower: DVec3, upper: DVec3, tile: &Tile) -> Option<(f64, DVec3)> {
+    let half = 0.5 * (upper - lower);
+    let region = Oriented::new(lower + half, DMat3::IDENTITY, half, f64::INFINITY);
+    let tile = Oriented::from_tile(tile);
+    region.penetration(&tile, region.extent.max(tile.extent))
 }
 
 /// All pairs of tiles that overlap by more than round-off, ordered by index, found lazily.
+///
+/// The round-off of a position grows with the largest coordinate of all tiles: the coordinates of a
+/// row about the origin are differences of lengths of the row. [`OVERLAP_ROUNDINGS`] derives the
+/// bound.
 ///
 /// Candidates come from an R-tree over bounding boxes, so that the cost is about N log N for N
 /// tiles that hardly overlap.
@@ -41,6 +56,7 @@ pub fn overlaps(tiles: &[Tile]) -> impl Iterator<Item = Overlap> {
 /// axes.
 pub fn overlaps_among(tiles: &[Tile], most: usize) -> impl Iterator<Item = Result<Overlap, TooManyPairs>> {
     let boxes: Vec<Oriented> = tiles.iter().map(Oriented::from_tile).collect();
+    let extent = boxes.iter().map(|tile| tile.extent).fold(0.0, f64::max);
     let bounds = boxes.iter().enumerate().map(|(index, b)| IndexedBounds { low: b.low, high: b.high, index });
     let tree = RTree::bulk_load(bounds.collect());
     let mut left = Some(most);
@@ -55,7 +71,7 @@ pub fn overlaps_among(tiles: &[Tile], most: usize) -> impl Iterator<Item = Resul
         }
         later.sort_unstable();
         let found = later.into_iter().filter_map(|second| {
-            let (depth, direction) = own.penetration(&boxes[second])?;
+            let (depth, direction) = own.penetration(&boxes[second], extent)?;
             Some(Ok(Overlap { first, second, depth, direction }))
         });
         Some(found.collect::<Vec<_>>())
@@ -95,23 +111,25 @@ struct Oriented {
     centre: DVec3,
     axes: [DVec3; 3],
     half: DVec3,
-    rotated: bool,
+    /// The shortest side of a tile; infinite for a region, whose thickness is no measure of depths.
+    thinnest: f64,
+    /// No point of the tile is farther from the origin.
+    extent: f64,
     low: DVec3,
     high: DVec3,
 }
 
 impl Oriented {
     fn from_tile(tile: &Tile) -> Oriented {
-        let rotation = DMat3::from_quat(tile.rotation());
         let half = 0.5 * tile.size();
+        Oriented::new(tile.position(), DMat3::from_quat(tile.rotation()), half, tile.size().min_element())
+    }
+
+    fn new(centre: DVec3, rotation: DMat3, half: DVec3, thinnest: f64) -> Oriented {
         let axes = [rotation.x_axis, rotation.y_axis, rotation.z_axis];
         let reach = axes[0].abs() * half.x + axes[1].abs() * half.y + axes[2].abs() * half.z;
-        let centre = tile.position();
-        // Quarter turns cause no round-off.
-        let rotated = axes
-            .iter()
-            .any(|axis| axis.abs().to_array().iter().any(|c| (SAME_ROTATION..=1.0 - SAME_ROTATION).contains(c)));
-        Oriented { centre, axes, half, rotated, low: centre - reach, high: centre + reach }
+        let extent = centre.abs().element_sum() + half.element_sum();
+        Oriented { centre, axes, half, thinnest, extent, low: centre - reach, high: centre + reach }
     }
 
     fn reach(&self, direction: DVec3) -> f64 {
@@ -119,21 +137,19 @@ impl Oriented {
     }
 
     /// Depth and direction of the overlap by the separating-axis theorem (Gottschalk, Lin, Manocha
-    /// 1996).
-    fn penetration(&self, other: &Oriented) -> Option<(f64, DVec3)> {
+    /// 1996), for tiles whose positions come from lengths of up to `extent`.
+    fn penetration(&self, other: &Oriented, extent: f64) -> Option<(f64, DVec3)> {
         let shift = other.centre - self.centre;
         let crosses = self.axes.iter().flat_map(|a| other.axes.iter().map(move |b| a.cross(*b)));
         let candidates = self.axes.iter().chain(&other.axes).copied().chain(crosses);
-        // Half the round-off that joins faces: touching faces of a pair that passes here are
-        // joined.
-        let reach = |o: &Oriented, d: DVec3| o.centre.dot(d).abs() + o.reach(d);
-        let roundings = if self.rotated || other.rotated { ROTATED_SEAM_ROUNDINGS } else { SEAM_ROUNDINGS };
+        let thinnest = self.thinnest.min(other.thinnest);
+        let round_off = (OVERLAP_ROUNDINGS * UNIT_ROUNDOFF * extent).min(DEEPEST_ROUND_OFF * thinnest);
         let mut least: Option<(f64, DVec3)> = None;
         // Parallel edges have no common normal of their own; the face normals cover that case.
         for direction in candidates.filter(|d| d.length() > PARALLEL_EDGES).map(DVec3::normalize) {
             let along = shift.dot(direction);
             let depth = self.reach(direction) + other.reach(direction) - along.abs();
-            if depth <= 0.5 * roundings * UNIT_ROUNDOFF * reach(self, direction).max(reach(other, direction)) {
+            if depth <= round_off {
                 return None;
             }
             if least.is_none_or(|(d, _)| depth < d) {
@@ -176,6 +192,98 @@ mod tests {
             };
             assert_eq!(overlaps(&[turned(0.0), turned(1.0 - 1e-16)]), []);
             assert_eq!(overlaps(&[turned(0.0), turned(1.0 - 1e-12)]).len(), 1, "{angle_deg}");
+        }
+    }
+
+    /// Rotations of the blocks of a ring of `count`, and its centres, in the ways in which users
+    /// compute them. `radius` is the distance of the centres from the axis.
+    fn rings(count: u32, radius: f64) -> Vec<Vec<(DVec3, DQuat)>> {
+        let pitch_deg = 360.0 / f64::from(count);
+        let by_angle = |rad: f64| {
+            let (sin, cos) = rad.sin_cos();
+            (DVec3::new(radius * cos, radius * sin, 0.0), DQuat::from_rotation_z(rad))
+        };
+        let from_degrees = (0..count).map(|block| by_angle((f64::from(block) * pitch_deg).to_radians())).collect();
+        let parts_of_a_turn =
+            (0..count).map(|block| by_angle(std::f64::consts::TAU * f64::from(block) / f64::from(count))).collect();
+        let sum_of_angles = (0..count)
+            .scan(0.0, |sum_deg, _| Some(std::mem::replace(sum_deg, *sum_deg + pitch_deg)))
+            .map(|deg: f64| by_angle(deg.to_radians()));
+        let step = DQuat::from_rotation_z(pitch_deg.to_radians());
+        let turned_by_steps = (0..count).scan((DVec3::X * radius, DQuat::IDENTITY), |block, _| {
+            Some(std::mem::replace(block, (step * block.0, (step * block.1).normalize())))
+        });
+        let tilt = DQuat::from_euler(glam::EulerRot::XYZ, 0.6, -0.4, 1.3);
+        let moved = DVec3::new(1234.5, -77.7, 3.0);
+        let flat: Vec<(DVec3, DQuat)> = parts_of_a_turn;
+        let tilted = flat.iter().map(|(centre, rotation)| (tilt * *centre + moved, tilt * *rotation)).collect();
+        vec![from_degrees, sum_of_angles.collect(), turned_by_steps.collect(), tilted, flat]
+    }
+
+    /// Blocks of a ring touch at their inner edges.
+    #[test]
+    fn rings_touch_and_smaller_rings_overlap() {
+        let sizes = [DVec3::splat(10.0), DVec3::new(1.7, 3.3, 1.0), DVec3::new(8.1, 1.0 / 3.0, 0.2)];
+        for count in 2..=256_u32 {
+            let size = sizes[count as usize % 3];
+            let inner = if count == 2 { 0.0 } else { 0.5 * size.y / (std::f64::consts::PI / f64::from(count)).tan() };
+            for [shrink, overlapping] in [[0.0, 0.0], [1e-6 * size.x, 1.0]] {
+                for (way, ring) in rings(count, inner + 0.5 * size.x - shrink).into_iter().enumerate() {
+                    let block = |(centre, rotation): (DVec3, DQuat)| {
+                        Tile::new(centre, size, DVec3::X).unwrap().rotated(rotation).unwrap()
+                    };
+                    let blocks: Vec<Tile> = ring.into_iter().map(block).collect();
+                    let pairs = if count == 2 { 1 } else { blocks.len() };
+                    let found = overlaps(&blocks);
+                    assert_eq!(found.len(), overlapping as usize * pairs, "{count} blocks, {way}: {:?}", found.first());
+                }
+            }
+        }
+    }
+
+    /// The coordinates of a row about the origin are differences of lengths of the row.
+    #[test]
+    fn rows_touch_wherever_they_are() {
+        for angle_deg in [0.0, 30.0, 90.0] {
+            let along = DVec3::new(f64::cos(f64::to_radians(angle_deg)), f64::sin(f64::to_radians(angle_deg)), 0.0);
+            for pitch in [25.4 / 3.0, 0.1, 1.0 / 3.0] {
+                for start in [-127.5 * pitch, 1e4, -3e3 - 0.7] {
+                    let across = DVec3::new(-along.y, along.x, 0.0) * 1e4;
+                    let block = |index: i32| {
+                        let centre = (start + f64::from(index) * pitch) * along + across;
+                        let tile = Tile::new(centre, DVec3::splat(pitch), DVec3::Z).unwrap();
+                        tile.rotated(DQuat::from_rotation_z(angle_deg.to_radians())).unwrap()
+                    };
+                    let row: Vec<Tile> = (0..256).map(block).collect();
+                    assert_eq!(overlaps(&row).first(), None, "{angle_deg}, {pitch}, {start}");
+                }
+            }
+        }
+    }
+
+    /// A tile at the end of the world allows no deep overlap of others.
+    #[test]
+    fn round_off_is_a_small_part_of_the_thinnest_side() {
+        let far = cube(1e12, 0.0, 0.0);
+        assert_eq!(overlaps(&[cube(0.0, 0.0, 0.0), cube(1.0 - 1e-7, 0.0, 0.0), far]), []);
+        assert_eq!(overlaps(&[cube(0.0, 0.0, 0.0), cube(1.0 - 1e-5, 0.0, 0.0), far]).len(), 1);
+    }
+
+    /// Rectangles, lines and points enter a tile or touch it.
+    #[test]
+    fn boxes_without_extent_overlap_the_tiles_that_they_enter() {
+        let tile = cube(0.1, 0.0, 30.0);
+        for (lower, upper, depth) in [
+            ([-2.0, -2.0, 0.2], [2.0, 2.0, 0.2], Some(0.3)),
+            ([-2.0, -2.0, 0.5], [2.0, 2.0, 0.5], None),
+            ([0.1, -2.0, 0.0], [0.1, 2.0, 0.0], Some(0.5)),
+            ([0.1, 0.0, 0.1], [0.1, 0.0, 0.1], Some(0.4)),
+            ([2.0, 0.0, 0.0], [2.0, 0.0, 0.0], None),
+            ([-2.0, -2.0, 0.4], [2.0, 2.0, 3.0], Some(0.1)),
+        ] {
+            let found = box_overlap(DVec3::from(lower), DVec3::from(upper), &tile).map(|(depth, _)| depth);
+            let error = found.unwrap_or_default() - depth.unwrap_or_default();
+            assert!(found.is_some() == depth.is_some() && error.abs() < 1e-15, "{lower:?} {upper:?}: {found:?}");
         }
     }
 

@@ -269,3 +269,36 @@ def test_representations_tell_what_a_thing_is(published):
 def test_findings_are_sentences():
     film = Film([ONE._replace(polarization_t=(0, 0, 0))], name="weak")
     assert any("polarization" in finding for finding in film.findings)
+
+
+def ring(count, decimals=None):
+    """Tiles of a ring that touch at their inner edges, with positions of so many decimals."""
+    angles = 2 * np.pi * np.arange(count) / count
+    radius = 5 / np.tan(np.pi / count) + 5
+    places = np.stack([radius * np.cos(angles), radius * np.sin(angles), 0 * angles], axis=-1)
+    if decimals is not None:
+        places = np.round(places, decimals)
+    rotations = np.stack([0 * angles, 0 * angles, np.sin(angles / 2), np.cos(angles / 2)], axis=-1)
+    blocks = zip(places, rotations, strict=True)
+    return [Tile(place, (10, 10, 10), (1.3, 0, 0), rotation) for place, rotation in blocks]
+
+
+def test_blocks_of_a_ring_touch():
+    for count in (3, 22, 36, 100, 255):
+        assert len(Film(ring(count), name="ring")) == count
+
+
+def test_overlaps_by_rounded_positions_are_allowed_on_request():
+    with pytest.raises(magsplice.LayoutError, match=r"overlap_mm = [0-9.e-]+ allows it"):
+        Film(ring(22, decimals=6), name="ring")
+    film = Film(ring(22, decimals=6), name="ring", overlap_mm=1e-6)
+    assert film.to_dict()["overlap_mm"] == 1e-6
+    assert film.replace(overlap_mm=2e-6).to_dict()["overlap_mm"] == 2e-6
+
+
+def test_volumes_may_be_planes(published):
+    plane = published.replace(volume={**published.to_dict()["volume"], "z_mm": [-4, -4]})
+    assert plane.grid.points_mm.shape == (9, 9, 1, 3)
+    found = plane.decouple()
+    deep = published.decouple()
+    assert found.uniformity_rmse.s_z == pytest.approx(deep.s_z[:, :, 2].std(), rel=1e-9)

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use magsplice::layout::{EulerOrder, InvalidEulerOrder, Layout, LayoutError, LayoutFault, meant_length};
 
 use crate::args::given_units::{GivenUnits, given_units};
+use crate::args::numbers::length_mm;
 use crate::csv_input::table::is_stdin;
 use crate::failure::{self, Failure};
 use crate::faults::FaultList;
@@ -57,6 +58,12 @@ pub(crate) struct ImportArgs {
     /// still required
     #[arg(long, value_name = "UNITS", value_parser = given_units)]
     unit: Option<GivenUnits>,
+    /// Depth by which blocks may overlap, in mm [default: 0]
+    ///
+    /// Positions and sizes with few decimals overlap by their rounding where the blocks touch. The
+    /// message about such blocks gives the depth. The layout keeps it as overlap_mm.
+    #[arg(long, value_name = "MM", value_parser = length_mm, allow_hyphen_values = true)]
+    overlap: Option<f64>,
     /// Name of the layout [default: the name of the file]
     #[arg(long, value_name = "NAME")]
     name: Option<String>,
@@ -70,7 +77,8 @@ pub(crate) fn run(args: &ImportArgs, quiet: bool) -> Result<(), Failure> {
     let source = if is_stdin(&args.blocks) { "standard input".to_owned() } else { file_name(&args.blocks) };
     let history = vec![format!("imported from {source} by magsplice {}", env!("CARGO_PKG_VERSION"))];
     let name = args.name.clone().unwrap_or_else(|| stem(&args.blocks));
-    let layout = Layout { name, history, tiles, ..Layout::default() };
+    let overlap_mm = args.overlap.unwrap_or(0.0);
+    let layout = Layout { name, history, overlap_mm, tiles, ..Layout::default() };
     let layout = layout.checked(&place).map_err(|error| in_lines(error, &place, &lines))?;
     let to_file = !output.is_standard();
     output.complete(&layout.to_toml())?;

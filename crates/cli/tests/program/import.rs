@@ -155,6 +155,55 @@ fn blocks_that_overlap_are_named_with_their_lines() {
     refused(&csv, &[], &["blocks.csv: line 2: tile \"a\": 2 tiles have this name"]);
 }
 
+/// Touching blocks of a table with few decimals overlap by its rounding. The message gives an
+/// option that is enough.
+#[test]
+fn overlaps_by_rounded_numbers_are_allowed_on_request() {
+    let ring: String = (0..22)
+        .map(|block| {
+            let (sin, cos) = (std::f64::consts::TAU * f64::from(block) / 22.0).sin_cos();
+            let radius = 5.0 / (std::f64::consts::PI / 22.0).tan() + 5.0;
+            let deg = 360.0 * f64::from(block) / 22.0;
+            format!("m{block},{:.6},{:.6},0,10,10,10,1.3,0,0,{deg:.4}\n", radius * cos, radius * sin)
+        })
+        .collect();
+    let inches: String =
+        (0..9).map(|i| format!("b{i},{:.2},0,0,8.47,1,1,0,0,1,0\n", 25.4 / 3.0 * f64::from(i))).collect();
+    for rows in [ring, inches] {
+        let csv = format!("{HEAD},rz_deg\n{rows}");
+        let (sandbox, said) = import(&csv, &[]);
+        said.refuses("perhaps because their numbers are rounded");
+        let option = said.stderr.split("import --overlap ").nth(1).expect("the option");
+        let depth = option.split('`').next().expect("its value").to_owned();
+        let said = sandbox.run(&["import", "blocks.csv", "-o", "film.toml", "--overlap", &depth]);
+        assert_eq!(said.status, 0, "{}", said.stderr);
+        let kept = sandbox.read("film.toml");
+        let kept = kept.lines().find_map(|line| line.strip_prefix("overlap_mm = ")).expect("the key");
+        assert_eq!(kept.parse::<f64>(), depth.parse());
+        assert_eq!(sandbox.run(&["tiles", "film.toml"]).status, 0);
+    }
+    let csv = format!("{HEAD}\na,0,0,0,1,1,1,0,0,1\n");
+    refused(&csv, &["--overlap", "-1um"], &["overlap_mm = -0.001, must be a finite number of at least 0"]);
+    import(&csv, &["--overlap", "1kg"]).1.refuses_arguments("has the unit kg, must be a length");
+}
+
+/// A ring of computed positions needs no option.
+#[test]
+fn rings_of_computed_positions_are_taken() {
+    for count in [22, 36, 255] {
+        let pitch_deg = 360.0 / f64::from(count);
+        let radius = 5.0 / (std::f64::consts::PI / f64::from(count)).tan() + 5.0;
+        let mut csv = format!("{HEAD},rz_deg\n");
+        for block in 0..count {
+            let deg = f64::from(block) * pitch_deg;
+            let (sin, cos) = deg.to_radians().sin_cos();
+            csv += &format!("m{block},{:?},{:?},0,10,10,10,1.3,0,0,{deg:?}\n", radius * cos, radius * sin);
+        }
+        let (_, said) = import(&csv, &[]);
+        assert_eq!(said.status, 0, "{count}: {}", said.stderr);
+    }
+}
+
 #[test]
 fn columns_that_are_missing_or_contradict_are_named() {
     let size = "size_x_mm,size_y_mm,size_z_mm";

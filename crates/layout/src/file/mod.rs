@@ -54,7 +54,8 @@ pub(crate) struct LayoutFile {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(extend("example" = "[\"designed by hand\"]"))]
     history: Vec<String>,
-    /// Depth by which tiles may overlap, in mm: that of films as they were measured. Default: 0.
+    /// Depth by which tiles may overlap, in mm: of measured films, and of tables with few decimals.
+    /// Default: 0.
     overlap_mm: Option<f64>,
     /// The sinusoidal film to compare with (Dai 2024, Eq. 1). `compare` and `decouple` need it.
     ideal: Option<IdealTable>,
@@ -129,7 +130,7 @@ impl Layout {
             name: self.name.clone(),
             description: self.description.clone(),
             history: self.history.clone(),
-            overlap_mm: (self.overlap_mm > 0.0).then_some(self.overlap_mm),
+            overlap_mm: (self.overlap_mm != 0.0).then_some(self.overlap_mm),
             ideal: self.ideal.map(Into::into),
             volume: self.volume.as_ref().map(Into::into),
             expect: (!self.expectations.is_empty()).then(|| self.expectations.clone()),

@@ -19,7 +19,11 @@ pub(crate) fn check(tiles: &[NamedTile], entries: &[Entry], allowed_mm: f64, fau
     let most = PAIRS_PER_TILE * tiles.len() + SPARE_PAIRS;
     let mut listed: Vec<(Between, Overlap, [Origin; 2])> = Vec::new();
     let mut more = false;
-    let is_refused = |pair: &Result<Overlap, TooManyPairs>| pair.as_ref().map_or(true, |pair| pair.depth > allowed_mm);
+    // The deepest overlap, while all are shallow.
+    let mut shallow_mm = Some(0.0);
+    // An allowed depth is a decimal number, and the depth has round-off.
+    let most_mm = allowed_mm * (1.0 + DECIMAL_ROUNDING);
+    let is_refused = |pair: &Result<Overlap, TooManyPairs>| pair.as_ref().map_or(true, |pair| pair.depth > most_mm);
     for (number, pair) in overlaps_among(&bare, most).filter(is_refused).enumerate() {
         let Ok(pair) = pair else {
             faults.add_to_layout(format!(
@@ -30,12 +34,17 @@ pub(crate) fn check(tiles: &[NamedTile], entries: &[Entry], allowed_mm: f64, fau
             break;
         };
         let ends = [pair.first, pair.second].map(|index| origin(index, entries, tiles.len()));
+        let longest = bare[pair.first].size().max(bare[pair.second].size()).max_element();
+        shallow_mm = shallow_mm.filter(|_| pair.depth <= SHALLOW * longest).map(|deepest| pair.depth.max(deepest));
         let between = between(ends[0], ends[1]);
         let known = listed.iter().position(|(other, ..)| *other == between);
-        // The list is full, or complete enough.
-        more = number > MAX_OVERLAPS || known.is_none() && listed.len() == MAX_LISTED - 1;
-        if more {
+        let is_full = known.is_none() && listed.len() == MAX_LISTED - 1 - usize::from(shallow_mm.is_some());
+        more |= is_full || number > MAX_OVERLAPS;
+        if number > MAX_OVERLAPS || is_full && shallow_mm.is_none() {
             break;
+        }
+        if is_full {
+            continue;
         }
         let is_written = |ends: &[Origin; 2]| ends.iter().all(|origin| !origin.is_image());
         match known {
@@ -58,6 +67,13 @@ pub(crate) fn check(tiles: &[NamedTile], entries: &[Entry], allowed_mm: f64, fau
     }
     if more {
         faults.add_to_layout("more pairs of tiles overlap");
+    }
+    if let Some(deepest_mm) = shallow_mm.filter(|deepest_mm| *deepest_mm > 0.0) {
+        let depth_mm = shown(deepest_mm);
+        faults.add_to_layout(format!(
+            "tiles overlap by up to {depth_mm} mm, perhaps because their numbers are rounded: overlap_mm = {depth_mm} \
+             allows it (in a layout, or `import --overlap {depth_mm}`)"
+        ));
     }
 }
 
@@ -103,7 +119,7 @@ fn of_two(tiles: &[NamedTile], first: Origin, second: Origin, pair: &Overlap, ru
     };
     format!(
         "{whole} {other} before it by {} mm, {rule}: move \"{name}\" that far along {}",
-        three_digits_up(pair.depth),
+        shown(pair.depth),
         direction(second.shift_of_original(pair.direction))
     )
 }
@@ -114,6 +130,12 @@ fn mirrors(origin: Origin) -> String {
     format!(" mirrored along {}", axes.join(" and "))
 }
 
+/// A depth to three digits, rounded up. Small ones have an exponent.
+fn shown(depth_mm: f64) -> String {
+    let depth_mm = three_digits_up(depth_mm);
+    if depth_mm < 1e-4 { format!("{depth_mm:e}") } else { depth_mm.to_string() }
+}
+
 /// Three significant digits, rounded up, so that a move by that much ends the overlap.
 fn three_digits_up(depth: f64) -> f64 {
     let digit = 10_f64.powf(depth.log10().floor() - 2.0);
@@ -122,6 +144,10 @@ fn three_digits_up(depth: f64) -> f64 {
     let rounded = ((depth / digit) * (1.0 - DECIMAL_ROUNDING)).ceil() * digit;
     format!("{rounded:.2e}").parse().unwrap_or(depth)
 }
+
+/// Largest overlap that may come from rounded numbers, as a fraction of the longest side. The
+/// numbers of two sides of 1 mm with two decimals make 0.015 mm.
+const SHALLOW: f64 = 0.02;
 
 /// Round-off of sums and differences of a few decimal numbers.
 const DECIMAL_ROUNDING: f64 = 1e-9;
@@ -147,6 +173,11 @@ mod tests {
         {
             assert_eq!(three_digits_up(depth), shown, "{depth}");
         }
+    }
+
+    #[test]
+    fn small_depths_have_an_exponent() {
+        assert_eq!([0.25, 3.0, 0.0123, 4.613e-7].map(shown), ["0.25", "3", "0.0123", "4.62e-7"]);
     }
 
     #[test]

@@ -80,11 +80,14 @@ class Film(Assembly):
     Parameters
     ----------
     tiles : iterable of Tile
-        The tiles. They may touch, but must not overlap.
+        The tiles. They may touch, but must not overlap by more than `overlap_mm`.
     name : str
         Name of the film.
     description : str, optional
         Free text.
+    overlap_mm : float, optional
+        Depth by which tiles may overlap in millimetres, for positions with few decimals. Default:
+        0; the round-off of computed positions is always allowed.
     ideal : Ideal or mapping, optional
         The ideal film to compare with. `compare`, `decouple`, `tolerance` and `design` need it.
     volume : Volume or mapping, optional
@@ -125,6 +128,7 @@ class Film(Assembly):
         *,
         name: str,
         description: str | None = None,
+        overlap_mm: float | None = None,
         ideal: Ideal | Mapping[str, Any] | None = None,
         volume: Volume | Mapping[str, Any] | None = None,
         material: Mapping[str, Any] | None = None,
@@ -139,6 +143,7 @@ class Film(Assembly):
             {
                 "name": name,
                 "description": description,
+                "overlap_mm": overlap_mm,
                 "ideal": ideal,
                 "volume": volume,
                 "material": material,
@@ -184,12 +189,12 @@ class Film(Assembly):
         Parameters
         ----------
         **tables
-            Keys of a layout file with their new values: ``name``, ``description``, ``ideal``,
-            ``volume``, ``material``, ``tolerance``, ``design``, ``sensor``, ``elastomer``,
-            ``expect``, and ``tile`` with the tiles. None removes a table. A mapping changes the
-            keys that it has; the value None removes a key. A mapping with a ``preset`` of
-            ``tolerance`` or a ``part`` of ``sensor``, which stands for a whole table, replaces the
-            table.
+            Keys of a layout file with their new values: ``name``, ``description``,
+            ``overlap_mm``, ``ideal``, ``volume``, ``material``, ``tolerance``, ``design``,
+            ``sensor``, ``elastomer``, ``expect``, and ``tile`` with the tiles. None removes a
+            table. A mapping changes the keys that it has; the value None removes a key. A mapping
+            with a ``preset`` of ``tolerance`` or a ``part`` of ``sensor``, which stands for a
+            whole table, replaces the table.
 
         Examples
         --------

@@ -194,11 +194,12 @@ def from_magpylib(sources: Any, *, name: str | None = None, **tables: Any) -> Fi
     Parameters
     ----------
     sources : Collection, Cuboid, or list of these
-        Cuboids without paths, in metres and tesla. They must not overlap.
+        Cuboids without paths, in metres and tesla. They must not overlap by more than
+        ``overlap_mm``.
     name : str, optional
         Name of the film. Default: the label of the collection, or ``"from magpylib"``.
     **tables
-        Other tables of the layout, as of `Film`: ``ideal``, ``volume``, ``tolerance``, ...
+        Other keys of the layout, as of `Film`: ``overlap_mm``, ``ideal``, ``volume``, ...
 
     Returns
     -------
