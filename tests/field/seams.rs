@@ -272,8 +272,8 @@ fn bystanders_do_not_break_seams() {
     }
 }
 
-/// Tiles that overlap by the round-off of their faces, at coordinates of up to 2, are joined, so that
-/// each point has one owner. Deeper overlaps of round-off are not reported either.
+/// Tiles that overlap by the round-off of their faces, at coordinates of up to 2, are joined, so
+/// that each point has one owner. Deeper overlaps of round-off are not reported either.
 #[test]
 fn overlaps_of_round_off_are_joined() {
     let turned = DQuat::from_rotation_x(0.5);

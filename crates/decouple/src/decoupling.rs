@@ -44,7 +44,8 @@ pub struct Decoupling {
     pub singular: Vec<DVec3>,
     /// Uniformity RMSE: the population standard deviation of a parameter over a plane normal to its
     /// own axis, averaged over the planes. It measures the undesired dependence of the parameter on
-    /// the other two coordinates. `None` where the planes have one point each.
+    /// the other two coordinates. Planes with one regular point do not count; `None` where no plane
+    /// has two.
     pub uniformity_rmse: PerParameter<Option<f64>>,
     /// Root mean square, over all points, of the difference between a parameter's change from the
     /// reference point and the change of the ideal film (-k dx, -k dy, k dz).
@@ -61,8 +62,8 @@ pub struct Decoupling {
 pub struct PlaneStatistics {
     /// Mean over the regular points of the plane.
     pub mean: f64,
-    /// Population standard deviation.
-    pub deviation: f64,
+    /// Population standard deviation. `None` for one point.
+    pub deviation: Option<f64>,
     /// Smallest value.
     pub least: f64,
     /// Largest value.
@@ -128,10 +129,7 @@ impl Decoupling {
         if singular.len() == grid.len() {
             return Err(DecouplingError::AllSingular);
         }
-        let uniformity = |parameter: Parameter| {
-            let has_planes = grid.plane_len(parameter.axis().index()) > 1;
-            has_planes.then(|| mean_deviation(&plane_statistics(&parameters, parameter)))
-        };
+        let uniformity = |parameter: Parameter| mean_deviation(&plane_statistics(&parameters, parameter));
         let uniformity_rmse = Parameter::ALL.map(uniformity).into();
         let ideal_rmse = ideal_rmse(&parameters, &at_reference, grid, reference, ideal.wavenumber());
         let displacement_rmse_mm = ideal_rmse.as_lengths(ideal.wavenumber()).into();
@@ -153,10 +151,10 @@ fn plane_statistics(parameters: &Array3<Option<Parameters>>, parameter: Paramete
         .collect()
 }
 
-/// Mean deviation of the planes with a regular point.
-fn mean_deviation(planes: &[Option<PlaneStatistics>]) -> f64 {
-    let deviations: Vec<f64> = planes.iter().flatten().map(|plane| plane.deviation).collect();
-    deviations.iter().sum::<f64>() / deviations.len() as f64
+/// Mean deviation of the planes with two regular points.
+fn mean_deviation(planes: &[Option<PlaneStatistics>]) -> Option<f64> {
+    let deviations: Vec<f64> = planes.iter().flatten().filter_map(|plane| plane.deviation).collect();
+    (!deviations.is_empty()).then(|| deviations.iter().sum::<f64>() / deviations.len() as f64)
 }
 
 /// Statistics over one plane, in two passes, so that a constant plane has no deviation.
@@ -167,9 +165,10 @@ fn statistics_over(plane: &ArrayView2<Option<Parameters>>, parameter: Parameter)
     }
     let count = values.len() as f64;
     let mean = values.iter().sum::<f64>() / count;
+    let deviation = (values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / count).sqrt();
     Some(PlaneStatistics {
         mean,
-        deviation: (values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / count).sqrt(),
+        deviation: (values.len() > 1).then_some(deviation),
         least: values.iter().copied().fold(f64::INFINITY, f64::min),
         most: values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
     })
@@ -290,7 +289,7 @@ mod tests {
         let plane = d.plane_statistics(Parameter::Sz)[1].unwrap();
         assert_relative_eq!(plane.most - plane.least, e, max_relative = 1e-9);
         assert_relative_eq!(plane.mean - plane.least, e / 25.0, max_relative = 1e-9);
-        assert_relative_eq!(plane.deviation, 3.0 * uniformity.s_z, max_relative = 1e-9);
+        assert_relative_eq!(plane.deviation.unwrap(), 3.0 * uniformity.s_z, max_relative = 1e-9);
     }
 
     /// A film displaced after the reference was taken has the same error at every point.
@@ -333,6 +332,25 @@ mod tests {
         let d = Decoupling::from_field(&line, &ideal_field(&line), reference(), &film()).unwrap();
         let PerParameter { r_x, r_y, s_z } = d.uniformity_rmse;
         assert!(r_x.is_none() && r_y.unwrap() < 1e-13 && s_z.unwrap() < 1e-13, "{r_x:?} {r_y:?} {s_z:?}");
+    }
+
+    /// A plane with one regular point has no deviation, so it does not count as perfect.
+    #[test]
+    fn planes_with_one_regular_point_do_not_count() {
+        let grid = grid();
+        let mut field = ideal_field(&grid);
+        let points: Vec<DVec3> = grid.points().collect();
+        let regular = [points[grid.len() / 2], points[grid.len() / 2 + 1]];
+        for (b, at) in field.iter_mut().zip(&points) {
+            if !regular.contains(at) {
+                b.z = 0.0;
+            }
+        }
+        let d = Decoupling::from_field(&grid, &field, reference(), &film()).unwrap();
+        // Both are in one plane normal to x and y, each in another normal to z.
+        assert!(d.uniformity_rmse.r_x.is_some() && d.uniformity_rmse.r_y.is_some());
+        assert_eq!(d.uniformity_rmse.s_z, None);
+        assert!(d.plane_statistics(Parameter::Sz).iter().flatten().all(|plane| plane.deviation.is_none()));
     }
 
     #[test]

@@ -57,7 +57,7 @@ mod per_parameter;
 mod second_derivatives;
 
 pub use at_points::PointDecoupling;
-pub use by_planes::uniformity_by_planes;
+pub use by_planes::{NoPlanes, uniformity_by_planes};
 pub use decoupling::{Decoupling, DecouplingError, PlaneStatistics};
 pub use figures::{Figure, Figures};
 pub use parameters::{Branch, ParameterDerivatives, Parameters};

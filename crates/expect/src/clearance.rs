@@ -1,7 +1,7 @@
 //! Clearance: the distance of tiles from the working volume.
 
 use glam::DVec3;
-use magsplice_magnet::{Tile, overlap};
+use magsplice_magnet::{Tile, box_overlap};
 
 use crate::oriented_box::OrientedBox;
 
@@ -29,22 +29,20 @@ pub struct Clearance {
 }
 
 impl Clearance {
-    /// The clearance of tiles from the box between the corners `lower` and `upper`. `None` if there
-    /// are no tiles.
+    /// The clearance of tiles from the box between the corners `lower` and `upper`, which may be a
+    /// rectangle, a line or a point. `None` if there are no tiles.
     ///
     /// # Accuracy
     /// A few units of round-off of the coordinates.
     pub fn from_tiles(tiles: &[Tile], lower: DVec3, upper: DVec3) -> Option<Clearance> {
         let region = OrientedBox::between(lower, upper);
-        // No tile penetrates a box deeply that is too thin for a tile.
-        let solid = Tile::new(0.5 * (lower + upper), upper - lower, DVec3::ZERO).ok();
         let mut least: Option<Clearance> = None;
         for (index, tile) in tiles.iter().enumerate() {
             let own = OrientedBox::from_tile(tile);
             if least.is_some_and(|l| region.certainly_beyond(&own, l.distance)) {
                 continue;
             }
-            let depth = solid.and_then(|solid| overlap(&solid, tile)).map(|(depth, _)| depth);
+            let depth = box_overlap(lower, upper, tile).map(|(depth, _)| depth);
             let distance = depth.map_or_else(|| region.distance(&own), |depth| -depth);
             if least.is_none_or(|l| distance < l.distance) {
                 least = Some(Clearance { distance, tile: index });

@@ -288,7 +288,7 @@ impl Brief {
         if self.goal == Goal::Uniformity && self.step_mm.is_none() && one_point {
             faults.add(
                 "goal = \"uniformity\" needs at least two points in each plane of the grid of [volume], and some planes \
-                 have one: use a smaller step_mm",
+                 have one: use a smaller step_mm, or a volume with two extents above 0",
             );
         }
         self.check_under(present, faults);

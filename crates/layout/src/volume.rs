@@ -12,7 +12,8 @@ use crate::limits::{BYTES_PER_POINT, MAX_POINTS, STEP_ROUNDING};
 use crate::one_or_three::OneOrThree;
 use crate::plausible::{MAX_LENGTH_RATIO, meant_length, typed};
 
-/// The region in which the sensor moves, sampled on a regular grid.
+/// The region in which the sensor moves, sampled on a regular grid. It may be a plane, a line or a
+/// point.
 ///
 /// All lengths are in millimetres.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,7 +35,7 @@ pub struct WorkingVolume {
 /// The region in which the sensor moves, sampled on a regular grid.
 #[derive(Deserialize, JsonSchema, Serialize)]
 pub(crate) struct VolumeTable {
-    /// Lower and upper end along x, in mm.
+    /// Lower and upper end along x, in mm. Both are equal for a plane normal to x.
     #[schemars(extend("example" = "[-2.0, 2.0]"))]
     x_mm: [f64; 2],
     /// Lower and upper end along y, in mm.
@@ -57,8 +58,8 @@ impl WorkingVolume {
     /// corner on.
     ///
     /// # Errors
-    /// Every broken rule of `[volume]`: ends that are not finite or not in ascending order, steps
-    /// that are not greater than 0 or make too many points, a reference that is not finite.
+    /// Every broken rule of `[volume]`: ends that are not finite or in descending order, steps that
+    /// are not greater than 0 or make too many points, a reference that is not finite.
     pub fn new(
         lower_mm: DVec3,
         upper_mm: DVec3,
@@ -155,12 +156,11 @@ fn default_reference_mm(lower_mm: DVec3, upper_mm: DVec3) -> DVec3 {
 fn check_range(key: &str, [low, high]: [f64; 2], faults: &mut TableFaults) {
     if !(low.abs() <= MAX_LENGTH && high.abs() <= MAX_LENGTH) {
         faults.add(format!("{key} = [{low}, {high}], must be two finite numbers"));
-    } else if low >= high {
-        let how = if low == high { "empty" } else { "inverted" };
-        faults.add(format!("{key} = [{low}, {high}] is {how}, the first must be less than the second"));
-    } else if high - low < MIN_SIZE {
+    } else if low > high {
+        faults.add(format!("{key} = [{low}, {high}] is inverted, the first must not be greater than the second"));
+    } else if low < high && high - low < MIN_SIZE {
         faults.add(format!(
-            "{key} = [{low:e}, {high:e}] is {:e} long, must be at least {MIN_SIZE:e} long",
+            "{key} = [{low:e}, {high:e}] is {:e} long, must be 0 or at least {MIN_SIZE:e} long",
             typed(high - low)
         ));
     }
@@ -170,7 +170,7 @@ fn check_range(key: &str, [low, high]: [f64; 2], faults: &mut TableFaults) {
 const FINER: f64 = 1.05;
 
 /// The smallest step, rounded up to two digits, with which a region of these extents has at most
-/// [`MAX_POINTS`] points.
+/// [`MAX_POINTS`] points. One extent at least is above 0.
 fn least_step(extents: DVec3) -> f64 {
     // By ratios, because products of extents may be too small for a number.
     let points = |step: f64| (extents / step + 1.0).element_product();
@@ -188,6 +188,7 @@ fn least_step(extents: DVec3) -> f64 {
 fn meant_step(steps: DVec3, extents: DVec3) -> Option<String> {
     let shortest = steps.min_element();
     let points = (extents / (MAX_LENGTH_RATIO * steps) + 1.0).element_product();
-    let is_likely = shortest * MAX_LENGTH_RATIO < extents.min_element() && points <= MAX_POINTS;
+    let shortest_extent = extents.to_array().into_iter().filter(|extent| *extent > 0.0).fold(f64::INFINITY, f64::min);
+    let is_likely = shortest * MAX_LENGTH_RATIO < shortest_extent && points <= MAX_POINTS;
     is_likely.then(|| meant_length(shortest))
 }

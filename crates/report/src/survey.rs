@@ -170,7 +170,8 @@ impl FieldSlice {
     /// of each cell. B is NaN where it is unbounded.
     pub(crate) fn new(film: &Film, volume: &WorkingVolume, normal: usize, at_mm: f64) -> Result<FieldSlice, FilmError> {
         let (axes, grid) = (in_plane(normal), cells_of_plane(volume, normal, at_mm, MAP_CELLS));
-        let ranges_mm = axes.map(|axis| [volume.lower_mm[axis], volume.upper_mm[axis]]);
+        let [lower, upper] = mapped_region(volume);
+        let ranges_mm = axes.map(|axis| [lower[axis], upper[axis]]);
         let mut field_t = vec![DVec3::ZERO; grid.len()];
         if let Err(PointErrors(mut errors)) =
             film.scene().field_on_grid_into(Quantity::FluxDensity, &grid, &mut field_t)
@@ -231,9 +232,23 @@ impl FieldSlice {
     }
 }
 
+/// Extent of maps along an axis without extent, as a fraction of the longest extent of the volume,
+/// and that of a point in millimetres.
+const FLAT_EXTENT: f64 = 0.1;
+const POINT_EXTENT_MM: f64 = 0.5;
+
+/// Corners of the region of maps: the working volume, and beyond it along axes without extent.
+pub(crate) fn mapped_region(volume: &WorkingVolume) -> [DVec3; 2] {
+    let extents = volume.upper_mm - volume.lower_mm;
+    let longest = extents.max_element();
+    let least = if longest > 0.0 { FLAT_EXTENT * longest } else { POINT_EXTENT_MM };
+    let beyond = extents.map(|extent| if extent > 0.0 { 0.0 } else { 0.5 * least });
+    [volume.lower_mm - beyond, volume.upper_mm + beyond]
+}
+
 /// The centres of cells on the plane of the working volume where coordinate `normal` is `at_mm`.
 pub(crate) fn cells_of_plane(volume: &WorkingVolume, normal: usize, at_mm: f64, cells: usize) -> Grid {
-    let (mut lower, mut upper, mut counts) = (volume.lower_mm, volume.upper_mm, [1; 3]);
+    let ([mut lower, mut upper], mut counts) = (mapped_region(volume), [1; 3]);
     for axis in in_plane(normal) {
         let half_cell = 0.5 * (upper[axis] - lower[axis]) / cells as f64;
         lower[axis] += half_cell;

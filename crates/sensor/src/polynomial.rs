@@ -52,6 +52,10 @@ pub enum PolynomialError {
         /// The smallest error.
         least: f64,
     },
+    /// The volume has no extent along an axis, 0 for x, 1 for y, 2 for z: the displacement does not
+    /// vary along it.
+    #[error("the volume has no extent along {}, and a displacement in three directions needs one", ["x", "y", "z"][*.0])]
+    NoExtent(usize),
     /// A point of the volume has no parameters, because B_z is 0 there.
     #[error("B_z is 0 at ({}, {}, {}), where the parameters of Eq. 15 do not exist", .0.x, .0.y, .0.z)]
     Singular(DVec3),
@@ -75,6 +79,9 @@ impl DisplacementPolynomial {
         reference: DVec3,
         error: f64,
     ) -> Result<DisplacementPolynomial, PolynomialError> {
+        if let Some(axis) = (0..3).find(|axis| volume.upper()[*axis] == volume.lower()[*axis]) {
+            return Err(PolynomialError::NoExtent(axis));
+        }
         let field = field.into();
         let field_t = |points: &[DVec3]| -> Result<Vec<DVec3>, PolynomialError> {
             let readings_t = field.readings_t(points).map_err(PolynomialError::Points)?;

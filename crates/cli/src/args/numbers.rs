@@ -5,6 +5,7 @@ use std::ops::RangeInclusive;
 use std::str::FromStr;
 
 use magsplice::layout::decimal::{self, with_unit};
+use magsplice::prelude::DVec3;
 
 use crate::units::{self, ANGLES, FLUX_DENSITIES, LENGTHS, Unit, in_rad};
 
@@ -58,6 +59,18 @@ pub(crate) fn positive(text: &str) -> Result<f64, String> {
 pub(crate) fn flux_density_t(text: &str) -> Result<f64, String> {
     let (number, unit) = with_unit(text);
     FLUX_DENSITY.value(number, unit)
+}
+
+/// A point: three lengths in mm with commas between them.
+pub(crate) fn point_mm(text: &str) -> Result<DVec3, String> {
+    vector(text, length_mm, "must be three lengths with commas between them, such as 0,0,-4 or 0,0,-4mm")
+}
+
+/// Three values with commas between them.
+pub(crate) fn vector(text: &str, value: fn(&str) -> Result<f64, String>, rule: &str) -> Result<DVec3, String> {
+    let parts: Vec<&str> = text.split(',').collect();
+    let [x, y, z] = parts[..] else { return Err(rule.to_owned()) };
+    Ok(DVec3::new(value(x)?, value(y)?, value(z)?))
 }
 
 /// Two lengths in mm with an x between them.

@@ -11,7 +11,7 @@ use magsplice::sensor::ExperimentStep;
 use magsplice_report::{SvgText, experiment_figure};
 
 use crate::args::formats::TableFormat;
-use crate::args::numbers::{angle_rad, length_mm};
+use crate::args::numbers::{angle_rad, length_mm, vector};
 use crate::failure::Failure;
 use crate::inputs::points;
 use crate::output::{choice, table};
@@ -179,10 +179,4 @@ fn lengths_mm(text: &str) -> Result<DVec3, String> {
 
 fn angles_rad(text: &str) -> Result<DVec3, String> {
     vector(text, angle_rad, "must be three angles, such as 0,0.5deg,0")
-}
-
-fn vector(text: &str, value: fn(&str) -> Result<f64, String>, rule: &str) -> Result<DVec3, String> {
-    let parts: Vec<&str> = text.split(',').collect();
-    let [x, y, z] = parts[..] else { return Err(rule.to_owned()) };
-    Ok(DVec3::new(value(x)?, value(y)?, value(z)?))
 }

@@ -13,6 +13,7 @@ use magsplice_export::csv;
 
 use crate::args::accuracy::AccuracyArgs;
 use crate::args::formats::TableFormat;
+use crate::args::numbers::point_mm;
 use crate::args::points::PointsArgs;
 use crate::csv_input::table::are_typed;
 use crate::failure::Failure;
@@ -22,14 +23,14 @@ use crate::output::destination::{Output, is_standard};
 use crate::output::{choice, table};
 use crate::progress::ProgressLine;
 use crate::remarks;
-use crate::session::{OF_POINTS, Session};
+use crate::session::Session;
 use crate::words::no_field;
 
 /// Compute the field at points and write it as CSV or another table format.
 ///
-/// The points are the grid of the layout's working volume, or the points of a CSV file. Results
-/// keep the order of the points. Numbers are written with enough digits to read back to the same
-/// number.
+/// The points are the grid of the layout's working volume, the points of a CSV file, or the points
+/// of --at. Results keep the order of the points. Numbers are written with enough digits to read
+/// back to the same number.
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  magsplice field layouts/published-film.toml --points points.csv -o field.csv")]
 pub(crate) struct FieldArgs {
@@ -37,6 +38,9 @@ pub(crate) struct FieldArgs {
     layout: PathBuf,
     #[command(flatten)]
     points: PointsArgs,
+    /// A point, in mm, such as 0,0,-4; may be repeated
+    #[arg(long, value_name = "X,Y,Z", value_parser = point_mm, allow_hyphen_values = true, conflicts_with = "points")]
+    at: Vec<DVec3>,
     /// File to write, complete or not at all [default: -, standard output]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -82,14 +86,30 @@ pub(crate) fn run(args: &FieldArgs, quiet: bool) -> Result<(), Failure> {
     // types.
     let results_on_terminal = args.output.as_deref().is_none_or(is_standard) && stdout().is_terminal();
     let visible = !quiet && !results_on_terminal && !are_typed(args.points.path());
-    let subjects = if args.points.path().is_some() { remarks::OF_TILES } else { remarks::OF_FIELDS };
+    let has_points = args.points.path().is_some() || !args.at.is_empty();
+    let subjects = if has_points { remarks::OF_TILES } else { remarks::OF_FIELDS };
     let session = Session::begin(&args.layout, subjects, quiet, ProgressLine::start(visible))?;
     let accuracy = if quantity.has_accuracy() { args.accuracy.accuracy() } else { Accuracy::Exact };
     let film = session.film()?.with_accuracy(accuracy);
     match args.points.path() {
         Some(path) => at_points(args, &session, &film, path),
-        None => on_grid(args, &session, &film),
+        None if args.at.is_empty() => on_grid(args, &session, &film),
+        None => at_given(args, &session, &film),
     }
+}
+
+/// A working volume that is missing.
+const OF_FIELD: &str = " to take points from: add one, or give --points or --at";
+
+/// The field at the points of `--at`.
+fn at_given(args: &FieldArgs, session: &Session, film: &Film) -> Result<(), Failure> {
+    let mut writer = FieldWriter::open(args, film, Points::Scattered(Vec::new()))?;
+    let (values, evaluated) = writer.quantity.values(film.scene(), &args.at);
+    writer.add(&args.at, values, evaluated, |error, cause| {
+        let p = error.point;
+        (0, format!("point --at {},{},{} (mm): {cause}", p.x, p.y, p.z))
+    })?;
+    writer.finish(session, &args.layout)
 }
 
 fn at_points(args: &FieldArgs, session: &Session, film: &Film, path: &Path) -> Result<(), Failure> {
@@ -116,7 +136,7 @@ fn at_points(args: &FieldArgs, session: &Session, film: &Film, path: &Path) -> R
 }
 
 fn on_grid(args: &FieldArgs, session: &Session, film: &Film) -> Result<(), Failure> {
-    let grid = session.volume(OF_POINTS)?.grid;
+    let grid = session.volume(OF_FIELD)?.grid;
     let mut writer = FieldWriter::open(args, film, Points::Grid(grid))?;
     let fault = |error: &PointError, cause: &str| {
         let p = error.point;

@@ -122,3 +122,31 @@ fn dash_is_standard_input_and_output() {
     std::io::Write::write_all(&mut program.stdin.take().unwrap(), expected.as_bytes()).unwrap();
     assert_eq!(String::from_utf8(program.wait_with_output().unwrap().stdout).unwrap(), expected);
 }
+
+/// A point without a file: mm, or a unit for each length.
+#[test]
+fn points_on_the_command_line() {
+    let sandbox = Sandbox::new();
+    let film = shipped("published-film");
+    sandbox.write("points.csv", "x_mm,y_mm,z_mm\n0,0,-4\n-1.5,2,-3\n");
+    let of_file = sandbox.run(&["field", &film, "--points", "points.csv"]).stdout;
+    for at in [["0,0,-4", "-1.5,2,-3"], ["0, 0, -4mm", "-1500um,0.2cm,-3"]] {
+        let said = sandbox.run(&["field", &film, "--at", at[0], "--at", at[1]]);
+        assert_eq!((said.status, said.stderr.as_str(), &said.stdout), (0, "", &of_file));
+    }
+    let json = sandbox.run(&["field", &film, "--at=0,0,-4", "--format", "json", "--quantity", "gradient"]);
+    assert!(json.status == 0 && json.stdout.contains("\"points\": 1,"), "{}", json.stdout);
+    let tile = "[[tile]]\nname = \"a\"\nposition_mm = [0, 0, 1]\nsize_mm = [1, 1, 1]\npolarization_t = [0, 0, 1]\n";
+    sandbox.write("film.toml", &format!("format = 1\nname = \"a tile\"\n{tile}"));
+    assert_eq!(sandbox.run(&["field", "film.toml", "--at", "0,0,-4"]).status, 0);
+    sandbox.run(&["field", "film.toml", "--at", "0.5,0,1.5"]).refuses("film.toml: point --at 0.5,0,1.5 (mm): ");
+    sandbox.run(&["field", "film.toml"]).refuses("give --points or --at");
+    for (at, message) in [
+        ("0,0", "must be three lengths with commas between them, such as 0,0,-4"),
+        ("0,0,-4kg", "has the unit kg, must be a length"),
+        ("0,0,x", "must be a number with or without a unit"),
+    ] {
+        sandbox.run(&["field", &film, "--at", at]).refuses_arguments(message);
+    }
+    sandbox.run(&["field", &film, "--at", "0,0,-4", "--points", "points.csv"]).refuses_arguments("cannot be used with");
+}

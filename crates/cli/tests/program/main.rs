@@ -16,6 +16,7 @@ mod diagnose;
 mod expectations;
 mod field;
 mod files;
+mod flat_volumes;
 mod forces;
 mod formats;
 mod fuzz;

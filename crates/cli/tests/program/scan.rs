@@ -92,6 +92,44 @@ fn perfect_scan_has_the_uniformity_of_the_film() {
     assert_eq!(result["deviation"]["offset_t"], serde_json::json!([0.0, 0.0, 0.0]));
 }
 
+/// A stage returns to a position to some micrometres: the positions form the planes of the grid.
+/// Positions at random form none, and the reason is printed.
+#[test]
+fn uniformity_at_positions_of_a_stage() {
+    let sandbox = Sandbox::new();
+    let mut state = 3_u64;
+    let mut scatter = |mm: f64| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        mm * (2.0 * (state >> 11) as f64 / (1_u64 << 53) as f64 - 1.0)
+    };
+    let exact = field(&sandbox);
+    let film = shipped("published-film");
+    let mut scan = |mm: f64| {
+        let mut moved = |row: &Vec<f64>| row[..3].iter().map(|c| ((c + scatter(mm)) * 1e4).round() / 1e4).collect();
+        let places: Vec<Vec<f64>> = exact.iter().map(&mut moved).collect();
+        write(&sandbox, "x_mm,y_mm,z_mm", &places);
+        assert_eq!(sandbox.run(&["field", &film, "--points", "scan.csv", "-o", "readings.csv"]).status, 0);
+        write(&sandbox, "x_mm,y_mm,z_mm,bx_t,by_t,bz_t", &rows(&sandbox.read("readings.csv")));
+        fitted(&sandbox, &["--fit", "strength"])
+    };
+    let (grid, stage) = (scan(0.0), scan(0.004));
+    assert!(stage["grid"].is_null(), "{}", stage["grid"]);
+    for name in ["r_x", "r_y", "s_z"] {
+        let of = |scan: &Value| number(&scan["uniformity_rmse"]["readings"][name]);
+        assert!((of(&stage) - of(&grid)).abs() < 1e-4, "{name}: {} and {}", of(&stage), of(&grid));
+        assert!(stage["uniformity_rmse"]["omitted"][name].is_null());
+    }
+    // Scatter of more than half a step.
+    let random = scan(0.3);
+    for name in ["r_x", "r_y", "s_z"] {
+        assert!(random["uniformity_rmse"]["readings"][name].is_null(), "{random}");
+        let reason = random["uniformity_rmse"]["omitted"][name].as_str().expect("a reason");
+        assert!(reason.contains("must differ by at most 0.1 mm"), "{reason}");
+    }
+    let said = sandbox.run(&["scan", "scan.csv", "--layout", &shipped("published-film"), "--fit", "strength"]);
+    assert!(said.stdout.contains("undefined: most positions share no plane normal to x"), "{}", said.stdout);
+}
+
 #[test]
 fn gaps_repeated_positions_and_outliers_are_named() {
     let sandbox = Sandbox::new();

@@ -170,8 +170,10 @@ fn finer(grid: &Grid) -> Grid {
 /// enough.
 fn design_grid(volume: &WorkingVolume, step_mm: Option<f64>) -> Grid {
     let grid = volume.grid;
+    let extent = grid.upper() - grid.lower();
     let counts = [0, 1, 2].map(|axis| match step_mm {
-        Some(step) => ((grid.upper()[axis] - grid.lower()[axis]) / step).round().max(1.0) as usize + 1,
+        _ if extent[axis] == 0.0 => 1,
+        Some(step) => (extent[axis] / step).round().max(1.0) as usize + 1,
         None => grid.counts()[axis].min(POINTS_ALONG[axis]),
     });
     Grid::new(grid.lower(), grid.upper(), counts).expect("a grid of points")

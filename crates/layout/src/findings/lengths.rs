@@ -93,8 +93,13 @@ fn about_ideal_film(tiles: &[NamedTile], ideal: &IdealFilm, volume: Option<&Work
         ));
     }
     if let Some(volume) = volume {
-        // One point in each plane normal to an axis.
-        let thin = Axis::ALL.into_iter().filter(|axis| volume.grid.plane_len(axis.index()) == 1);
+        // One point in each plane normal to an axis, although the planes have an extent.
+        let extents = volume.upper_mm - volume.lower_mm;
+        let thin = Axis::ALL.into_iter().filter(|axis| {
+            let mut of_plane = extents;
+            of_plane[axis.index()] = 0.0;
+            volume.grid.plane_len(axis.index()) == 1 && of_plane != DVec3::ZERO
+        });
         let axes: Vec<&str> = thin.map(Axis::name).collect();
         if !axes.is_empty() {
             let [nx, ny, nz] = volume.grid.counts();
@@ -120,7 +125,7 @@ fn about_volume(tiles: &[NamedTile], volume: &WorkingVolume) -> Option<Finding> 
             "the film measures {film}, and the working volume {region}, more than {MAX_VOLUME_RATIO} times as much: are the \
              tiles in m, not mm?"
         )
-    } else if volume_mm * MAX_LENGTH_RATIO < film_mm {
+    } else if volume_mm > 0.0 && volume_mm * MAX_LENGTH_RATIO < film_mm {
         format!(
             "the working volume measures {region}, and the film {film}, more than {MAX_LENGTH_RATIO} times as much: is the \
              volume in m, not mm?"

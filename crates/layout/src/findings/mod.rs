@@ -4,7 +4,7 @@
 pub(crate) mod lengths;
 
 use glam::DVec3;
-use magsplice_magnet::{Tile, overlap};
+use magsplice_magnet::box_overlap;
 
 use crate::finding::{Finding, FindingSubject, listed};
 use crate::layout::NamedTile;
@@ -26,10 +26,9 @@ pub(crate) fn about_tiles(tiles: &[NamedTile], volume: Option<&WorkingVolume>) -
         doubt(&subject, short(magnitude(named))).unwrap_or(subject)
     };
     findings.extend(listed(strong, FindingSubject::Tiles, beyond, "tiles"));
-    let region =
-        volume.and_then(|v| Tile::new(0.5 * (v.lower_mm + v.upper_mm), v.upper_mm - v.lower_mm, DVec3::ZERO).ok());
-    if let Some(region) = region {
-        let reaching = tiles.iter().filter(|named| overlap(&region, &named.tile).is_some());
+    if let Some(volume) = volume {
+        let is_in_volume = |named: &&NamedTile| box_overlap(volume.lower_mm, volume.upper_mm, &named.tile).is_some();
+        let reaching = tiles.iter().filter(is_in_volume);
         let reaches = of_tile("reaches into the working volume");
         findings.extend(listed(reaching, FindingSubject::Volume, reaches, "tiles"));
     }

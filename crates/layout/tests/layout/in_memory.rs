@@ -46,8 +46,7 @@ fn broken_rules_of_parts_are_named() {
     assert_eq!(
         faults,
         [
-            "volume: y_mm = [0, -1] is inverted, the first must be less than the second",
-            "volume: z_mm = [0, 0] is empty, the first must be less than the second",
+            "volume: y_mm = [0, -1] is inverted, the first must not be greater than the second",
             "volume: step_mm[2] = 0, must be a finite number greater than 0",
             "volume: reference_mm = [NaN, NaN, NaN], must be three finite numbers",
         ]

@@ -215,8 +215,8 @@ fn tiny_volumes_and_steps_are_refused() {
     let message = refused(&volume("[0, 1e-200]", "1e-210"));
     let least = message.split("a step of at least ").nth(1).expect("a step").split(' ').next().expect("a number");
     assert!((2.1e-203..2.4e-203).contains(&least.parse().expect("a number")), "{least}");
-    refused_with(&volume("[0, 1e-300]", "1e-300"), "x_mm = [0e0, 1e-300] is 1e-300 long, must be at least");
-    refused_with(&volume("[0, 5e-324]", "5e-324"), "must be at least");
+    refused_with(&volume("[0, 1e-300]", "1e-300"), "x_mm = [0e0, 1e-300] is 1e-300 long, must be 0 or at least");
+    refused_with(&volume("[0, 5e-324]", "5e-324"), "must be 0 or at least");
     refused_with(&volume("[-1e300, 1e300]", "1e-300"), "makes inf points");
     refused_with(&volume("[0, 1]", "[1e-300, 1, 1]"), "must make at most 1e8: use a step of at least 0.00");
 }

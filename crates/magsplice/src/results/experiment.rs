@@ -4,9 +4,10 @@ use glam::DVec3;
 use magsplice_field::Scene;
 use magsplice_layout::Elastomer;
 use magsplice_magnet::{Deformation, DeformationError, Tile};
-use magsplice_sensor::{ExperimentSettings, ExperimentStep, Locator, SensedField, displacements, experiment};
+use magsplice_sensor::{ExperimentSettings, ExperimentStep, SensedField, displacements, experiment};
 use serde::Serialize;
 
+use super::readings::locator;
 use super::source::Source;
 use super::table::{ColumnQuantity, Rows, Table};
 use crate::film::Film;
@@ -68,7 +69,7 @@ impl Film {
         };
         let wavenumber = self.ideal().ok().map(|ideal| ideal.wavenumber());
         let settings = ExperimentSettings { reference, wavenumber, seed };
-        let locator = Locator::new(ordered, grid).map_err(FilmError::Points)?;
+        let locator = locator(ordered, grid)?;
         self.tell(Stage::uncounted("experiments"));
         // One run, so that each reading has noise of its own.
         let along = [0, 1, 2].map(|axis| displacements(&grid, reference, axis, step_mm[axis]));

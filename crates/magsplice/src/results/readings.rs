@@ -3,6 +3,7 @@
 use glam::DVec3;
 use magsplice_decouple::{Branch, Parameters};
 use magsplice_layout::Elastomer;
+use magsplice_magnet::Grid;
 use magsplice_sensor::{LocateError, Located, Locator, Noise, SensedField, mean_at_rest};
 use serde::Serialize;
 
@@ -60,6 +61,14 @@ pub struct FilmReadings {
     pub elastomer: Option<Elastomer>,
 }
 
+/// The search for positions in the working volume, which needs an extent.
+pub(super) fn locator<'a>(sensed: SensedField<'a>, grid: Grid) -> Result<Locator<'a>, FilmError> {
+    if grid.lower() == grid.upper() {
+        return Err(FilmError::PointVolume);
+    }
+    Locator::new(sensed, grid).map_err(FilmError::Points)
+}
+
 impl Film {
     /// The position of the sensor for each reading in tesla. A position that noise may have moved
     /// out of the volume counts as inside. `noise` is that of the readings; without it, that of the
@@ -78,8 +87,7 @@ impl Film {
             AtRest::Zero(readings_t) => (mean(readings_t)? - at_reference_t, at_reference_t),
             AtRest::Rest(readings_t) => (DVec3::ZERO, mean(readings_t)?),
         };
-        let locator =
-            Locator::new(sensed.clone(), volume.grid).map_err(FilmError::Points)?.with_constant_reading(constant_t);
+        let locator = locator(sensed.clone(), volume.grid)?.with_constant_reading(constant_t);
         let origin_mm = match at_rest {
             AtRest::Rest(_) => match locator.locate(&[at_rest_t]).remove(0) {
                 Ok(located) | Err(LocateError::Outside(located)) => located.position,

@@ -3,7 +3,7 @@
 use std::ops::RangeInclusive;
 
 use glam::DVec3;
-use magsplice_decouple::{Branch, Parameters, PerParameter, uniformity_by_planes};
+use magsplice_decouple::{Branch, NoPlanes, Parameters, PerParameter, uniformity_by_planes};
 use magsplice_magnet::Grid;
 use magsplice_scan::{Exclusion, FreeParameters, ScanError, ScanFit, ScanPositions, SignedAxes, fit_scan};
 use serde::Serialize;
@@ -109,8 +109,8 @@ impl ExcludedReadings {
     }
 }
 
-/// Uniformity RMSE of R_x, R_y, S_z, without the excluded readings. `None` where no plane has two
-/// points.
+/// Uniformity RMSE of R_x, R_y, S_z, without the excluded readings; see [`uniformity_by_planes`].
+/// `None` where the positions form no planes normal to the axis of the parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ScanUniformity {
     /// Of the readings.
@@ -119,6 +119,8 @@ pub struct ScanUniformity {
     pub corrected: PerParameter<Option<f64>>,
     /// Of the field of the layout at the same places.
     pub simulated: PerParameter<Option<f64>>,
+    /// The reasons for undefined uniformities.
+    pub omitted: PerParameter<Option<NoPlanes>>,
     /// Number of readings whose parameters do not exist, because B_z is 0.
     pub singular: usize,
 }
@@ -158,7 +160,11 @@ impl Film {
             field_t.into_iter().map(|field| parameters.strength * (sensor.rotation * field)).collect();
         let kept: Vec<usize> = (0..points_mm.len()).filter(|index| fit.exclusions[*index].is_none()).collect();
         let fields_t = [readings_t, &corrected_t, &simulated_t];
-        let uniformity_rmse = self.branch().map(|branch| ScanUniformity::new(points_mm, &kept, fields_t, branch));
+        let uniformity_rmse = self
+            .ideal()
+            .ok()
+            .zip(self.branch())
+            .map(|(ideal, branch)| ScanUniformity::new(points_mm, &kept, fields_t, (branch, ideal.wavelength())));
         let positions = ScanPositions::new(points_mm);
         let numbered = |indices: &[usize]| indices.iter().map(|index| numbers[*index]).collect();
         Ok(FilmScan {
@@ -218,7 +224,7 @@ impl FilmScan {
             .zip(&self.simulated_t)
             .map(|(corrected, simulated)| *corrected - *simulated)
             .collect();
-        let excluded = self.exclusions.iter().map(|exclusion| f64::from(u8::from(exclusion.is_some())));
+        let excluded = self.exclusions.iter().map(Option::is_some);
         let columns = vec![
             ColumnQuantity::flux_density(&self.corrected_t),
             ColumnQuantity::of_vectors(
@@ -227,7 +233,7 @@ impl FilmScan {
                 &self.simulated_t,
             ),
             ColumnQuantity::of_vectors("residual_b_t", &["residual_bx_t", "residual_by_t", "residual_bz_t"], &residual),
-            ColumnQuantity::of_numbers(&["excluded"], excluded),
+            ColumnQuantity::of_whole(&["excluded"], excluded),
         ];
         let points = Points::Scattered(self.places_mm.clone());
         Table::new(points, columns, self.source.metadata())
@@ -236,7 +242,12 @@ impl FilmScan {
 
 impl ScanUniformity {
     /// `fields_t` are the readings, the corrected ones and the field of the layout.
-    fn new(points: &[DVec3], kept: &[usize], fields_t: [&[DVec3]; 3], branch: Branch) -> ScanUniformity {
+    fn new(
+        points: &[DVec3],
+        kept: &[usize],
+        fields_t: [&[DVec3]; 3],
+        (branch, wavelength_mm): (Branch, f64),
+    ) -> ScanUniformity {
         let parameters = fields_t.map(|field_t| -> Vec<Option<Parameters>> {
             kept.iter().map(|index| Parameters::from_field(field_t[*index], branch)).collect()
         });
@@ -245,9 +256,13 @@ impl ScanUniformity {
         let places: Vec<DVec3> = usable.iter().map(|n| points[kept[*n]]).collect();
         let [readings, corrected, simulated] = parameters.map(|of_field| {
             let usable: Vec<Parameters> = usable.iter().filter_map(|n| of_field[*n]).collect();
-            uniformity_by_planes(&places, &usable)
+            uniformity_by_planes(&places, &usable, wavelength_mm)
         });
-        ScanUniformity { readings, corrected, simulated, singular: kept.len() - usable.len() }
+        // The planes depend on the positions alone.
+        let omitted = readings.map(Result::err);
+        let [readings, corrected, simulated] =
+            [readings, corrected, simulated].map(|of_field| of_field.map(Result::ok));
+        ScanUniformity { readings, corrected, simulated, omitted, singular: kept.len() - usable.len() }
     }
 }
 

@@ -90,7 +90,7 @@ impl AlongAxes {
 
     /// The planes as CSV.
     fn csv(&self) -> String {
-        let of = |s: &PlaneStatistics| [s.mean, s.deviation, s.least, s.most];
+        let of = |s: &PlaneStatistics| [s.mean, s.deviation.unwrap_or(f64::NAN), s.least, s.most];
         let rows = PARAMETER_NAMES.into_iter().zip(self.values.iter().zip(&self.residuals_um)).flat_map(
             |(name, (values, residuals_um))| {
                 values.iter().zip(residuals_um).map(move |(value, residual)| {
@@ -135,7 +135,8 @@ fn legend(sheet: &Sheet) -> DrawResult {
 /// Every value that a panel must show.
 fn all_values(planes: &[ParameterPlane]) -> impl Iterator<Item = f64> {
     planes.iter().flat_map(|ParameterPlane { over, ideal, .. }| {
-        [over.least, over.most, over.mean - over.deviation, over.mean + over.deviation, *ideal]
+        let deviation = over.deviation.unwrap_or_default();
+        [over.least, over.most, over.mean - deviation, over.mean + deviation, *ideal]
     })
 }
 
@@ -151,10 +152,12 @@ fn draw_planes(sheet: &Sheet, panel: &Panel, planes: &[ParameterPlane]) -> DrawR
     let radius = (0.12 * SIDE_PX / planes.len() as f64).clamp(0.6, 3.0);
     for p in planes {
         let [x, y] = panel.at(p.at_mm, p.over.mean);
-        let reach = p.over.deviation / (panel.y[1] - panel.y[0]) * panel.height;
-        sheet.line(&[[x, y - reach], [x, y + reach]], BLUE, 0.5 * radius)?;
-        for end in [y - reach, y + reach] {
-            sheet.line(&[[x - radius, end], [x + radius, end]], BLUE, 0.5 * radius)?;
+        if let Some(deviation) = p.over.deviation {
+            let reach = deviation / (panel.y[1] - panel.y[0]) * panel.height;
+            sheet.line(&[[x, y - reach], [x, y + reach]], BLUE, 0.5 * radius)?;
+            for end in [y - reach, y + reach] {
+                sheet.line(&[[x - radius, end], [x + radius, end]], BLUE, 0.5 * radius)?;
+            }
         }
         sheet.disc([x, y], radius, BLUE)?;
     }
@@ -191,7 +194,7 @@ fn residuals_um(
         let PlaneStatistics { mean, deviation, least, most } = plane.over;
         let over = PlaneStatistics {
             mean: of(mean),
-            deviation: um_per_unit.abs() * deviation,
+            deviation: deviation.map(|deviation| um_per_unit.abs() * deviation),
             least: of(least).min(of(most)),
             most: of(least).max(of(most)),
         };

@@ -12,7 +12,7 @@ use crate::csv::csv_of_vectors;
 use crate::drawing::FigureDraft;
 use crate::error::ReportError;
 use crate::shared_ranges::SharedRanges;
-use crate::survey::cells_of_plane;
+use crate::survey::{cells_of_plane, mapped_region};
 use crate::typeset::{AXIS_NAMES, plane, variable};
 
 use super::map_grid::{BESIDE_PX, FIRST_PX, GAP_PX, GridMap, MapColumn, MapGrid, ROOM_PX, map_size};
@@ -64,7 +64,8 @@ pub(crate) fn draft(
 
 fn maps(planes: &[Plane], volume: &WorkingVolume, ranges: &SharedRanges) -> MapGrid {
     let axes = [0, 1];
-    let ranges_mm = axes.map(|axis| [volume.lower_mm[axis], volume.upper_mm[axis]]);
+    let [lower, upper] = mapped_region(volume);
+    let ranges_mm = axes.map(|axis| [lower[axis], upper[axis]]);
     let size = map_size(ROOM_PX, ranges_mm);
     let column = |n: usize| {
         let left = FIRST_PX + n as f64 * (size[0] + GAP_PX);

@@ -35,7 +35,10 @@ pub(super) fn scan(film: &Film, scan: &Path, fit: &[FitArg], found: &FilmScan) -
             ("  without offset and rotation", uniformity.corrected),
             ("  layout at the same points", uniformity.simulated),
         ] {
-            rows::cells(&mut text, name, values.to_array().map(|value| value.map_or("none".to_owned(), number)));
+            rows::cells(&mut text, name, values.to_array().map(|value| value.map_or("undefined".to_owned(), number)));
+        }
+        for reason in uniformity.omitted.to_array().iter().flatten() {
+            let _ = writeln!(text, "  undefined: {reason}");
         }
         if uniformity.singular > 0 {
             let _ = writeln!(text, "  without parameters, as B_z = 0: {}", uniformity.singular);
