@@ -78,6 +78,8 @@ mod search;
 mod splice;
 /// Why a layout to begin with cannot be made.
 mod splice_fault;
+/// Which number of a request stands in the way of a film.
+mod splice_trials;
 /// Strengths in stock, and strengths under recoil.
 mod strengths;
 /// Tolerances and tuning constants.
@@ -95,3 +97,4 @@ pub use search::search_result::{SearchResult, StageMetrics};
 pub use search::shortfall::Shortfall;
 pub use splice::{SpliceRequest, distances_of};
 pub use splice_fault::SpliceFault;
+pub use splice_trials::{SpliceChange, SpliceTrial};

@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 use magsplice_ideal::IdealFilm;
 use magsplice_layout::{
-    Brief, Goal, Layout, LayoutError, LayoutFault, MAX_LENGTH_RATIO, NamedTile, Outline, SHORTEST_WAVELENGTH_MM,
-    STRONGEST_MAGNET_T, Symmetry, Variable, WorkingVolume,
+    Brief, FilmTolerance, Goal, Layout, LayoutError, LayoutFault, MAX_LENGTH_RATIO, NamedTile, Outline, Preset,
+    SHORTEST_WAVELENGTH_MM, STRONGEST_MAGNET_T, StatedSensor, Symmetry, Variable, WorkingVolume,
 };
 use magsplice_magnet::Tile;
 
@@ -42,11 +42,18 @@ pub struct SpliceRequest {
     pub distance_mm: [f64; 2],
     /// Shortest side of a tile. Default: 0.08 of the wavelength.
     pub smallest_cut_mm: f64,
+    /// Usual errors of the tiles, for the table `[tolerance]` of the film. Default: none.
+    pub preset: Option<Preset>,
+    /// The sensor below the film. Default: none.
+    pub sensor: Option<StatedSensor>,
     /// Goal and demands of the search. The request itself sets the free parameters, the symmetry,
     /// the outline and the shortest side. Default: the displacement, with an amplitude of at least
     /// 0.65.
     pub brief: Brief,
 }
+
+/// Default of the shortest side of a tile, as a fraction of the wavelength.
+pub(crate) const SMALLEST_CUT: f64 = 0.08;
 
 /// Points of the working volume along each axis.
 const POINTS: [usize; 3] = [9, 9, 5];
@@ -68,7 +75,9 @@ impl SpliceRequest {
             remanence_t: 0.12,
             range_mm: [fraction(0.4); 2],
             distance_mm: [fraction(0.3), fraction(0.5)],
-            smallest_cut_mm: fraction(0.08),
+            smallest_cut_mm: fraction(SMALLEST_CUT),
+            preset: None,
+            sensor: None,
             brief: Brief { goal: Goal::Displacement, least_amplitude: Some(0.65), ..Brief::default() },
         }
     }
@@ -91,6 +100,7 @@ impl SpliceRequest {
             ideal: IdealFilm::new(self.wavelength_mm, self.thickness_mm, self.remanence_t).ok(),
             volume: Some(self.volume().map_err(refused)?),
             tiles: self.tiles().map_err(|fault| refused(vec![fault]))?,
+            sensor: self.sensor.clone(),
             ..Layout::default()
         };
         let layout = unchecked.checked("spliced film").map_err(|error| {
@@ -99,7 +109,9 @@ impl SpliceRequest {
                 other => vec![LayoutFault { line: None, place: "layout".to_owned(), message: other.to_string() }],
             })
         })?;
-        Ok(Layout { brief: Some(self.brief()), ..layout })
+        let tiles = layout.tiles.len();
+        let tolerance = self.preset.map(|preset| FilmTolerance::of_tiles(&preset.errors(), tiles));
+        Ok(Layout { brief: Some(self.brief()), tolerance, ..layout })
     }
 
     fn tiles(&self) -> Result<Vec<NamedTile>, LayoutFault> {
@@ -239,7 +251,7 @@ impl SpliceRequest {
 }
 
 /// Four significant digits, as a person would write a default.
-fn four_digits(value: f64) -> f64 {
+pub(crate) fn four_digits(value: f64) -> f64 {
     format!("{value:.3e}").parse().unwrap_or(value)
 }
 

@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::error_unit::ErrorUnit;
-use crate::faults::{FINITE, NOT_NEGATIVE, POSITIVE, Rule, TableFaults};
+use crate::faults::{FINITE, Faults, NOT_NEGATIVE, POSITIVE, Rule, TableFaults};
 use crate::names::shown;
 use crate::one_or_three::OneOrThree;
 use crate::rotation::{Rotation, RotationTable};
@@ -227,11 +227,38 @@ impl From<&StatedSensor> for SensorTable {
     }
 }
 
+impl StatedSensor {
+    /// The names of the parts with known numbers, in alphabetical order.
+    pub fn part_names() -> Vec<String> {
+        Part::names()
+    }
+
+    /// A part with known numbers, by its name. `None` if there is no such part.
+    pub fn of_part(name: &str) -> Option<StatedSensor> {
+        let table = SensorTable { part: Some(name.to_owned()), ..SensorTable::default() };
+        Part::named(name).and_then(|_| table.resolve(&mut Faults::new("").at(0, "sensor")))
+    }
+}
+
 /// The numbers of a part by its name, or none after adding a fault.
 fn part(name: &str, faults: &mut TableFaults) -> Part {
     Part::named(name).unwrap_or_else(|| {
-        let known = Part::names().join(", ");
+        let known = StatedSensor::part_names().join(", ");
         faults.add(format!("part = \"{}\", must be one of: {known}; or leave it out", shown(name)));
         Part::default()
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_part_is_found_by_its_name_alone() {
+        let sensor = StatedSensor::of_part("MLX90393").expect("a part");
+        assert_eq!(sensor.part.as_deref(), Some("MLX90393"));
+        assert!(sensor.element.range_t.is_finite() && sensor.element.noise_t.cmpgt(DVec3::ZERO).all());
+        assert_eq!(StatedSensor::of_part("MLX"), None);
+        assert_eq!(StatedSensor::part_names(), ["LIS3MDL", "MLX90393", "MMC5983MA", "TLV493D"]);
+    }
 }

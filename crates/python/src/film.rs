@@ -18,6 +18,9 @@ use crate::scene::Scene;
 use crate::threads::detached;
 use crate::vectors::{Triple, rows, rows_of, vectors};
 
+/// The presets in messages.
+pub(crate) const PRESETS: &str = "\"by-hand\", \"workshop\" or \"jig\"";
+
 /// A layout with its prepared tiles. The class `magsplice.Film` inherits from it.
 #[pyclass(frozen, subclass, module = "magsplice._magsplice")]
 pub(crate) struct Film {
@@ -247,7 +250,7 @@ impl Film {
         let mut layout = Layout::clone(&self.layout);
         let errors = match preset {
             None => return Ok(layout),
-            Some(name) => one_of::<Preset>("preset", name, "\"by-hand\", \"workshop\" or \"jig\"")?.errors(),
+            Some(name) => one_of::<Preset>("preset", name, PRESETS)?.errors(),
         };
         let FilmTolerance { samples, seed, .. } = layout.tolerance.take().unwrap_or_default();
         let of_tiles = FilmTolerance::of_tiles(&errors, layout.tiles.len());

@@ -4,12 +4,13 @@ use std::ops::ControlFlow;
 use std::sync::{Mutex, PoisonError};
 
 use magsplice::design::{DesignProblem, ProgressUpdate, SpliceRequest, distances_of};
-use magsplice::layout::{Brief, Goal};
+use magsplice::layout::{Brief, Goal, Preset, StatedSensor};
+use magsplice::results::FoundFilm;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::exceptions::{failed, one_of};
-use crate::film::Film;
+use crate::exceptions::{bad_value, failed, one_of};
+use crate::film::{Film, PRESETS};
 use crate::interruption::Interruption;
 use crate::results::dictionary;
 use crate::threads::detached;
@@ -52,7 +53,9 @@ pub(crate) fn design<'py>(
         true => problem.spliced_layout(&result, &format!("{program} splice")),
         false => problem.designed_layout(&result, &format!("{program} design")),
     };
-    Ok((dictionary(py, &result)?, found.to_compact_toml()))
+    let text = found.to_compact_toml();
+    let result = detached(py, || FoundFilm::new(result, found))?.map_err(failed)?;
+    Ok((dictionary(py, &result)?, text))
 }
 
 /// The start layout of a search, as TOML. Lengths are in millimetres.
@@ -74,8 +77,17 @@ pub(crate) fn pattern(
     goal: &str,
     starts: usize,
     seed: u64,
+    preset: Option<&str>,
+    sensor: Option<&str>,
 ) -> PyResult<String> {
     let goal: Goal = one_of("goal", goal, "\"uniformity\", \"displacement\" or \"field\"")?;
+    let preset = preset.map(|name| one_of::<Preset>("preset", name, PRESETS)).transpose()?;
+    let part = |name: &str| {
+        let known =
+            || bad_value(format_args!("sensor = {name:?}, must be one of: {}", StatedSensor::part_names().join(", ")));
+        StatedSensor::of_part(name).ok_or_else(known)
+    };
+    let sensor = sensor.map(part).transpose()?;
     let default = SpliceRequest::new(wavelength_mm, film_mm);
     let request = SpliceRequest {
         thickness_mm: thickness_mm.unwrap_or(default.thickness_mm),
@@ -83,6 +95,8 @@ pub(crate) fn pattern(
         range_mm: range_mm.unwrap_or(default.range_mm),
         distance_mm: distance_mm.map_or(default.distance_mm, distances_of),
         smallest_cut_mm: smallest_cut_mm.unwrap_or(default.smallest_cut_mm),
+        preset,
+        sensor,
         brief: Brief {
             gap_mm,
             resolution_mm,

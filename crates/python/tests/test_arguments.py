@@ -245,3 +245,13 @@ def test_errors_of_films_made_in_python_name_no_text():
         assert "line" not in text, text
         assert "TOML" not in text, text
         assert "|" not in text, text
+
+
+def test_spliced_films_have_a_preset_and_a_sensor():
+    film = magsplice.pattern(8, (7, 7), preset="jig", sensor="MLX90393")
+    assert "[tolerance]" in film.to_toml()
+    assert 'part = "MLX90393"' in film.to_toml()
+    with pytest.raises(ValueError, match="preset = \"desk\", must be"):
+        magsplice.pattern(8, (7, 7), preset="desk")
+    with pytest.raises(ValueError, match="sensor = \"MLX\", must be one of: LIS3MDL, "):
+        magsplice.pattern(8, (7, 7), sensor="MLX")

@@ -13,7 +13,7 @@ pub(crate) struct PresetArgs {
 
 /// Usual errors of tiles, by the way in which a film is made.
 #[derive(Clone, Copy, ValueEnum)]
-enum Preset {
+pub(crate) enum Preset {
     /// Magnets from a shop, placed along a drawn line: 0.15 mm, 1.5 degrees, 3 % of strength, sizes
     /// to 0.05 mm, direction of J to 2 degrees
     ByHand,
@@ -24,15 +24,20 @@ enum Preset {
     Jig,
 }
 
+impl From<Preset> for layout::Preset {
+    fn from(preset: Preset) -> layout::Preset {
+        match preset {
+            Preset::ByHand => layout::Preset::ByHand,
+            Preset::Workshop => layout::Preset::Workshop,
+            Preset::Jig => layout::Preset::Jig,
+        }
+    }
+}
+
 impl PresetArgs {
     /// Gives the tiles of a layout the errors of the preset, and no others. Samples and seed stay.
     pub(crate) fn apply(&self, layout: &mut Layout) {
-        let preset = match self.preset {
-            None => return,
-            Some(Preset::ByHand) => layout::Preset::ByHand,
-            Some(Preset::Workshop) => layout::Preset::Workshop,
-            Some(Preset::Jig) => layout::Preset::Jig,
-        };
+        let Some(preset) = self.preset.map(layout::Preset::from) else { return };
         let FilmTolerance { samples, seed, .. } = layout.tolerance.take().unwrap_or_default();
         layout.tolerance =
             Some(FilmTolerance { samples, seed, ..FilmTolerance::of_tiles(&preset.errors(), layout.tiles.len()) });

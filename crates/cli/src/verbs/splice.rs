@@ -3,12 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
-use magsplice::design::{DesignProblem, SpliceRequest, distances_of};
-use magsplice::layout::{Brief, Goal};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use magsplice::design::{DesignProblem, MadeFilms, SearchResult, SpliceRequest, distances_of};
+use magsplice::layout::{self, Brief, FilmTolerance, Goal, StatedSensor};
 
-use super::design::search;
+use super::design::search::{self, Origin};
 use crate::args::formats::TextOrJson;
 use crate::args::numbers::{extents_mm, flux_density_t, interval_mm, length_mm, positive};
+use crate::args::preset::Preset;
 use crate::failure::Failure;
 use crate::output::destination::Output;
 
@@ -24,6 +26,10 @@ use crate::output::destination::Output;
 ///
 /// Lengths may have a unit (mm, cm, um, m) and polarizations too (T, mT, uT, nT), such as 0.8cm,
 /// 20mmx20mm, 120mT.
+///
+/// If the film found is useless, because its error is above a tenth of the travel of the sensor,
+/// searches with one option changed at a time show which limit stands in the way, and the exit
+/// status is 1. The summary ends with the errors of the film as made.
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  magsplice splice --wavelength 10 --film 20x20 --parts 3 -o film.toml")]
 pub(crate) struct SpliceArgs {
@@ -44,7 +50,7 @@ pub(crate) struct SpliceArgs {
     remanence: f64,
     /// Extent of the working volume along x and y, in mm, such as 4x4: the region under the middle
     /// of the film in which the sensor moves [default: 0.4 of the wavelength each]
-    #[arg(long, visible_alias = "under", value_name = "XxY", value_parser = extents_mm, allow_hyphen_values = true)]
+    #[arg(long, alias = "under", value_name = "XxY", value_parser = extents_mm, allow_hyphen_values = true)]
     range: Option<[f64; 2]>,
     /// Least and greatest distance of the sensor below the film, in mm, such as 3..5, or its z,
     /// such as -5..-3 [default: 0.3 and 0.5 of the wavelength]
@@ -68,6 +74,14 @@ pub(crate) struct SpliceArgs {
     /// polarization of the tiles
     #[arg(long, value_name = "FRACTION", value_parser = positive, allow_hyphen_values = true, default_value_t = 0.65)]
     amplitude: f64,
+    /// Typical errors of every tile, for the table [tolerance] of the film. Without it the errors
+    /// of workshop are assumed at the end, and not written
+    #[arg(long, value_enum)]
+    preset: Option<Preset>,
+    /// Part with known noise, counts and range, for the table [sensor] of the film
+    #[arg(long, value_name = "PART", ignore_case = true,
+        value_parser = sensor_part())]
+    sensor: Option<StatedSensor>,
     /// Error to minimize
     #[arg(long, value_enum, default_value = "displacement")]
     goal: GoalArg,
@@ -95,6 +109,8 @@ impl SpliceArgs {
             range_mm: self.range.unwrap_or(default.range_mm),
             distance_mm: self.distance.unwrap_or(default.distance_mm),
             smallest_cut_mm: self.smallest_cut.unwrap_or(default.smallest_cut_mm),
+            preset: self.preset.map(layout::Preset::from),
+            sensor: self.sensor.clone(),
             brief: Brief {
                 gap_mm: self.gap,
                 resolution_mm: self.resolution,
@@ -127,11 +143,44 @@ enum GoalArg {
 
 pub(crate) fn run(args: &SpliceArgs, quiet: bool) -> Result<u8, Failure> {
     let failed = |error| Failure::design(Path::new("splice"), error);
-    let layout = args.request().layout().map_err(failed)?;
+    let request = args.request();
+    let layout = request.layout().map_err(failed)?;
     let problem = DesignProblem::new(&layout).map_err(failed)?;
     let output = Output::open(args.output.as_deref(), &[])?;
-    let result = search::search(&problem, quiet).map_err(failed)?;
-    search::finish(&problem, &result, search::SPLICE, output, args.output.as_deref(), args.format, quiet)
+    let mut result = search::search(&problem, quiet).map_err(failed)?;
+    evaluate_as_made(&problem, &mut result, layout.tolerance.as_ref(), quiet);
+    search::finish(&problem, result, Origin::Pattern(&request), output, args.output.as_deref(), args.format, quiet)
+}
+
+/// Errors that are assumed where the user gives none, and the number of samples with them: the
+/// interval of their 95th percentile is a tenth of it wide.
+const ASSUMED: (layout::Preset, u64) = (layout::Preset::Workshop, 200);
+
+/// Adds the errors of films as made to a film that meets its requirements as ordered.
+fn evaluate_as_made(problem: &DesignProblem, result: &mut SearchResult, given: Option<&FilmTolerance>, quiet: bool) {
+    if result.interrupted || !result.short_of.is_empty() {
+        return;
+    }
+    let (preset, samples) = ASSUMED;
+    let assumed = || FilmTolerance { samples, ..FilmTolerance::of_tiles(&preset.errors(), result.tiles.len()) };
+    let tolerance = given.cloned().unwrap_or_else(assumed);
+    match search::sampled(problem, &result.tiles, &tolerance, quiet) {
+        Ok(made) => result.made = Some(MadeFilms { preset: given.is_none().then_some(preset), ..made }),
+        Err(missed) => result.short_of.push(missed),
+    }
+}
+
+/// Parser of the names of known parts.
+fn sensor_part() -> impl TypedValueParser<Value = StatedSensor> {
+    // Names of values must live as long as the program.
+    let names = StatedSensor::part_names().into_iter().map(|name| &*name.leak());
+    PossibleValuesParser::new(names).map(|name| part(&name))
+}
+
+/// The sensor with one of the known names, in any case.
+fn part(name: &str) -> StatedSensor {
+    let known = StatedSensor::part_names().into_iter().find(|known| known.eq_ignore_ascii_case(name));
+    known.as_deref().and_then(StatedSensor::of_part).expect("clap accepts known names only")
 }
 
 /// The distances of an interval of distances or, where both are negative, of z.

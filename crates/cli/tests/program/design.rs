@@ -1,4 +1,4 @@
-//! `design`, `design --front` and `splice`.
+//! `design` and `design --front`.
 
 use crate::{Sandbox, shipped};
 
@@ -269,40 +269,6 @@ fn front_deletes_neither_its_input_nor_files_with_the_names_of_a_front() {
     }
 }
 
-#[test]
-fn splice_finds_a_film() {
-    let sandbox = Sandbox::new();
-    let said = sandbox.run(&["splice", "--wavelength", "6", "--film", "12x12", "--starts", "1", "-o", "film.toml"]);
-    assert_eq!(said.status, 0, "{}{}", said.stdout, said.stderr);
-    let checked = sandbox.run(&["check", "film.toml"]);
-    assert_eq!(checked.status, 0, "{}", checked.stdout);
-    // The layout is short: one line for each of nine tiles, whose images are the other 47, and
-    // angles with as many digits as were asked for.
-    let text = sandbox.read("film.toml");
-    let lines: Vec<&str> = text.lines().filter(|line| line.contains("position_mm")).collect();
-    assert!((9..=20).contains(&lines.len()) && text.lines().count() < 90, "{text}");
-    for line in lines {
-        assert!(!line.contains("polarization_t") && line.contains("direction_deg = "), "{line}");
-        let (_, angle) = line.split_once("direction_deg = ").expect("an angle");
-        let angle = angle.split([',', ' ']).next().expect("a number");
-        assert!(angle.split_once('.').is_some_and(|(_, decimals)| decimals.len() <= 2), "{line}");
-    }
-    assert!(text.contains("mirror = { axes = [\"x\", \"y\"] }"), "{text}");
-    assert!(!text.contains("sha256") && text.contains("from the start pattern (Dai 2024, Fig. 5) for "), "{text}");
-    assert!(said.stdout.contains(" tiles, from which the four-fold symmetry makes all "), "{}", said.stdout);
-    assert!(said.stdout.contains("; 1 of 1 start found this film or one as good\n"), "{}", said.stdout);
-    assert!(said.stdout.contains("start pattern        after"), "{}", said.stdout);
-    let found = sandbox.run(&["decouple", "film.toml", "--format", "json"]);
-    let found: serde_json::Value = serde_json::from_str(&found.stdout).expect("JSON");
-    assert!(found["displacement_rmse_mm"]["x"].as_f64().expect("a number") < 0.002, "{found}");
-    sandbox
-        .run(&["splice", "--wavelength", "6", "--film", "3x12"])
-        .refuses("film: 3 mm along x, must be at least 5.0000 mm");
-    sandbox
-        .run(&["splice", "--wavelength", "6", "--film", "12"])
-        .refuses_arguments("two lengths with an x between them");
-}
-
 /// The first Ctrl-C ends the search, and the program writes its result. Before, a search that is
 /// not on a terminal says how long it takes, and every ten seconds how far it is.
 #[cfg(unix)]
@@ -372,4 +338,12 @@ fn long_search(sandbox: &Sandbox) -> std::process::Child {
 fn send_interrupt(program: &std::process::Child) {
     let sent = std::process::Command::new("kill").args(["-INT", &program.id().to_string()]).status();
     assert!(sent.expect("kill runs").success());
+}
+
+#[test]
+fn design_warns_if_the_field_leaves_the_range_of_the_sensor() {
+    let sandbox = Sandbox::new();
+    sandbox.write("film.toml", &format!("{}\n[sensor]\nrange_mt = 5\n", film(QUICK)));
+    let said = sandbox.run(&["design", "film.toml", "-o", "better.toml"]);
+    assert!(said.stdout.contains("\nwarning: the field leaves the range of the sensor at "), "{}", said.stdout);
 }

@@ -37,6 +37,7 @@ mod report;
 mod report_pair_watch;
 mod scan;
 mod sensor;
+mod splice;
 mod start;
 mod stated_sensor;
 mod suspicious;

@@ -14,5 +14,7 @@ pub(crate) mod search_result;
 pub(crate) mod shortfall;
 /// The search, stage by stage.
 mod stages;
+/// The displacement error compared with the travel of the sensor.
+pub(crate) mod travel;
 /// The film found, as a layout.
 mod write_layout;

@@ -23,7 +23,8 @@ pub struct SearchResult {
     /// Errors of the designed film over the design grid refined five times.
     #[serde(rename = "five_times_finer")]
     pub finer: Metrics,
-    /// Errors of films as made, if the brief counts them and every sample has errors.
+    /// Errors of films as made, if the brief counts them or they were sampled after the search, and
+    /// every sample has errors.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub made: Option<MadeFilms>,
     /// The error that the search minimizes: the root of the weighted sum of squares of the three

@@ -1,8 +1,11 @@
 //! Demands of the layout that the film found misses.
 
+use magsplice_decouple::Figure;
+use magsplice_magnet::Axis;
 use thiserror::Error;
 
 use crate::error::DesignError;
+use crate::tolerances::LARGEST_SHARE_OF_TRAVEL;
 
 /// A demand of the layout that the film found misses.
 #[derive(Clone, Debug, Error, PartialEq)]
@@ -24,6 +27,21 @@ pub enum Shortfall {
         /// The largest number.
         most: usize,
     },
+    /// The error of the displacement is too large a part of the travel of the sensor.
+    #[error(
+        "{}: {error_mm:.3} mm, {:.0} % of the travel of {travel_mm} mm along {axis}, must be at most {:.0} %",
+        in_words(*figure), 100.0 * error_mm / travel_mm, 100.0 * LARGEST_SHARE_OF_TRAVEL
+    )]
+    Travel {
+        /// The figure that is too large.
+        figure: Figure,
+        /// The axis of the displacement.
+        axis: Axis,
+        /// The figure as a displacement, in millimetres.
+        error_mm: f64,
+        /// Extent of the working volume along the axis, in millimetres.
+        travel_mm: f64,
+    },
     /// The errors of the films as made cannot be computed.
     #[error(
         "samples of the film {}: {}{error}",
@@ -38,6 +56,13 @@ pub enum Shortfall {
         /// Why.
         error: DesignError,
     },
+}
+
+fn in_words(figure: Figure) -> &'static str {
+    match figure {
+        Figure::Uniformity(_) => "uniformity RMSE as a displacement",
+        _ => "RMSE of displacement",
+    }
 }
 
 /// A shortfall is serialized as its text.

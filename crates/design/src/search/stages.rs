@@ -94,6 +94,7 @@ impl DesignProblem<'_> {
         let reached = smaller_amplitude(&[after, finer]);
         short_of.extend(least.filter(|least| reached < *least).map(|least| Shortfall::Amplitude { reached, least }));
         short_of.extend(most.filter(|most| parts > *most).map(|most| Shortfall::Parts { reached: parts, most }));
+        short_of.extend(sampled_by.useless_axes(&[after, finer]));
         let made = sampled_by.made_films(&tiles, watch).unwrap_or_else(|missed| {
             short_of.push(missed);
             None

@@ -67,7 +67,7 @@ impl DesignProblem<'_> {
             let [_, highest] = errors.p95.interval;
             highest.is_finite().then(|| three_digits_up(highest * (1.0 + MADE_MARGIN)))
         };
-        let made = result.made.as_ref().map(|made| FigureBounds {
+        let made = result.made.as_ref().filter(|made| made.preset.is_none()).map(|made| FigureBounds {
             displacement_rmse_mm: made.after.displacement_rmse_mm.map(of_made),
             ..FigureBounds::default()
         });
@@ -103,13 +103,13 @@ impl DesignProblem<'_> {
                 format!(", as made P95 {x:.3e}, {y:.3e}, {z:.3e} mm")
             })
         };
-        let made = result.made.as_ref();
+        let made = result.made.as_ref().filter(|made| made.preset.is_none());
         format!(
             "{program}: from {start}, {} free parameters, {} starts, seed {}: {} -> {}",
             self.variable_count(),
             self.brief.starts,
             self.brief.seed,
-            errors(&result.before, made.map(|made| &made.before)),
+            errors(&result.before, made.and_then(|made| made.before.as_ref())),
             errors(&result.after, made.map(|made| &made.after))
         ) + if result.interrupted { "; interrupted, the best film found until then" } else { "" }
     }

@@ -59,7 +59,7 @@ fn films_that_are_made_become_ten_times_better() {
     let made = result.made.as_ref().expect("samples");
     assert_eq!((made.samples, made.seed), (400, 1));
     let p95 = |errors: &Figures<Statistics>| errors.displacement_rmse_mm.map(|axis| axis.p95.value).to_array();
-    let (before, after) = (p95(&made.before), p95(&made.after));
+    let (before, after) = (p95(made.before.as_ref().expect("the film before")), p95(&made.after));
     for axis in 0..3 {
         assert!(after[axis] < 0.1 * before[axis], "axis {axis}: {before:?}, {after:?}");
     }

@@ -1,7 +1,7 @@
 //! Layouts to begin with have the pattern that was published, and the demands of the request.
 
-use magsplice_design::{DesignError, DesignProblem, SpliceRequest};
-use magsplice_layout::{Brief, Goal, Layout, Outline, Symmetry, Under, Variable};
+use magsplice_design::{DesignError, DesignProblem, Shortfall, SpliceChange, SpliceRequest, ignore_progress};
+use magsplice_layout::{Brief, Goal, Layout, Outline, Preset, StatedSensor, Symmetry, Under, Variable};
 
 use crate::search::PUBLISHED;
 
@@ -14,6 +14,8 @@ fn request() -> SpliceRequest {
         range_mm: [4.0, 3.0],
         distance_mm: [3.0, 5.0],
         smallest_cut_mm: 0.9,
+        preset: Some(Preset::Jig),
+        sensor: StatedSensor::of_part("MLX90393"),
         brief: Brief {
             gap_mm: 0.05,
             resolution_mm: 0.02,
@@ -26,6 +28,21 @@ fn request() -> SpliceRequest {
             ..Default::default()
         },
     }
+}
+
+/// Both tables survive a file.
+#[test]
+fn layout_has_the_errors_and_the_sensor_of_the_request() {
+    let layout = request().layout().unwrap_or_else(|e| panic!("{e}"));
+    let read = Layout::parse(&layout.to_toml(), "spliced").unwrap_or_else(|e| panic!("{e}"));
+    for layout in [layout, read] {
+        let tolerance = layout.tolerance.expect("errors");
+        assert_eq!(tolerance.tiles.len(), layout.tiles.len());
+        assert!(tolerance.tiles.iter().all(|errors| *errors == Preset::Jig.errors()));
+        assert_eq!(layout.sensor, StatedSensor::of_part("MLX90393"));
+    }
+    let bare = SpliceRequest::new(10.0, [20.0, 20.0]).layout().unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!((bare.tolerance, bare.sensor), (None, None));
 }
 
 fn brief(request: &SpliceRequest) -> Brief {
@@ -107,4 +124,43 @@ fn splice_request_has_the_published_pattern() {
         assert!(layout.tiles.iter().all(|t| t.tile.position().x.abs() + 0.5 * t.tile.size().x <= 0.5 * width + 1e-9));
         DesignProblem::new(&layout).unwrap();
     }
+}
+
+/// A film too small for its distance: its errors are above a tenth of the travel. A larger film is
+/// enough.
+fn too_small() -> SpliceRequest {
+    let default = SpliceRequest::new(8.0, [7.0, 7.0]);
+    let brief = Brief { starts: 1, ..default.brief.clone() };
+    SpliceRequest { smallest_cut_mm: 2.0, distance_mm: [6.0, 9.0], brief, ..default }
+}
+
+#[test]
+fn useless_film_misses_a_demand_along_each_axis_that_counts() {
+    let missed = |request: &SpliceRequest, weights| {
+        let mut layout = request.layout().unwrap_or_else(|e| panic!("{e}"));
+        layout.brief.as_mut().expect("a brief").weights = weights;
+        let result = DesignProblem::new(&layout).and_then(|problem| problem.search(&ignore_progress));
+        let of_axis = |short: &Shortfall| match short {
+            Shortfall::Travel { axis, error_mm, travel_mm, .. } => {
+                assert!(*error_mm > 0.1 * travel_mm, "{short}");
+                axis.index()
+            }
+            other => panic!("{other}"),
+        };
+        result.unwrap_or_else(|e| panic!("{e}")).short_of.iter().map(of_axis).collect::<Vec<_>>()
+    };
+    assert_eq!(missed(&too_small(), [1.0; 3]), [0, 1, 2]);
+    assert_eq!(missed(&too_small(), [1.0, 1.0, 0.0]), [0, 1]);
+    assert_eq!(missed(&too_small().changed(SpliceChange::FilmMm([11.0; 2])), [1.0; 3]), [0; 0]);
+}
+
+#[test]
+fn trials_find_the_number_in_the_way() {
+    let trials = too_small().trials(&ignore_progress);
+    let enough: Vec<SpliceChange> = trials.iter().filter(|trial| trial.is_enough).map(|trial| trial.change).collect();
+    assert_eq!(enough, [SpliceChange::FilmMm([11.0, 11.0])]);
+    assert_eq!((trials.len(), trials[0].change), (6, SpliceChange::Starts(32)));
+    assert!(!trials[0].is_enough);
+    // The first update stops the first search.
+    assert_eq!(too_small().trials(&|_| std::ops::ControlFlow::Break(())), []);
 }

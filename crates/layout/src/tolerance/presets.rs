@@ -30,6 +30,18 @@ pub enum Preset {
 }
 
 impl Preset {
+    /// All presets, from the largest errors to the smallest.
+    pub const ALL: [Preset; 3] = [Preset::ByHand, Preset::Workshop, Preset::Jig];
+
+    /// The name in layout files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Preset::ByHand => "by-hand",
+            Preset::Workshop => "workshop",
+            Preset::Jig => "jig",
+        }
+    }
+
     /// The errors of each tile: normal, the same along and about each axis, with these standard
     /// deviations:
     ///

@@ -26,9 +26,14 @@ mod experiment;
 mod field;
 /// Loads on tiles, and a placement order.
 mod forces;
+/// A film that a search found.
+#[cfg(feature = "design")]
+mod found_film;
 /// The films of a trade-off.
 #[cfg(feature = "design")]
 mod front;
+/// Readings beyond the range of the sensor.
+mod out_of_range;
 /// The parts of a layout.
 mod parts;
 /// Whether the sensor of a scan was where it is stated.
@@ -69,7 +74,10 @@ pub use experiment::{EXPERIMENT_STEP_MM, FilmExperiments};
 pub use field::{FieldAtPoints, PointQuantity};
 pub use forces::{FilmLoads, ForceChange, LoadN, OrderChoice, OrderedLoads, TileLoad};
 #[cfg(feature = "design")]
+pub use found_film::FoundFilm;
+#[cfg(feature = "design")]
 pub use front::{FilmFront, FrontFilm};
+pub use out_of_range::OutOfRange;
 pub use parts::{BillOfMaterials, MAX_KERF_MM, PartItem};
 pub use placement::{FittedScan, SensorPlacement};
 pub use plan::FilmPlan;

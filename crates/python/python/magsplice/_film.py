@@ -53,7 +53,7 @@ from magsplice._recoil import Recoil, RecoilEstimate
 from magsplice._report import VIEW_PX, Figure, Page, Report, film_html, view_html
 from magsplice._results import Result, key
 from magsplice._samples import Preset, Samples
-from magsplice._search import MadeFilms, Metrics, SearchStage
+from magsplice._search import MadeFilms, Metrics, OutOfRange, SearchStage
 from magsplice._sensor import Readings, at_rest, noise_of
 from magsplice._source import OfFilm
 from magsplice._sweep import Sweep, values_of
@@ -1283,7 +1283,13 @@ class Design(Result):
     stages: list[SearchStage] = key("Stages of the search.", SearchStage)
     parts: int = key("Number of distinct parts.")
     starts_that_agree: int = key("Number of starts with an error within a tenth of the best.")
-    short_of: list[str] = key("Demands that the film does not meet. Empty if it meets all.")
+    short_of: list[str] = key(
+        """Demands that the film does not meet, among them an error of at most a tenth of the travel.
+        Empty if it meets all."""
+    )
+    out_of_range: OutOfRange | None = key(
+        "Readings beyond the range of the sensor; None if all are within it.", OutOfRange
+    )
     interrupted: bool = key("Always False: an interrupted search raises its exception.")
 
 

@@ -15,6 +15,7 @@ from magsplice._assignment import MOST_STARTS
 from magsplice._film import Design, Film, film_of_text, searched
 from magsplice._layout import Tile
 from magsplice._magpylib.cuboids import Track, cuboids_of, in_mm
+from magsplice._samples import Preset
 
 
 def load(path: str | os.PathLike[str]) -> Film:
@@ -85,6 +86,8 @@ def pattern(
     goal: Literal["uniformity", "displacement", "field"] = "displacement",
     starts: int = 8,
     seed: int = 1,
+    preset: Preset | None = None,
+    sensor: str | None = None,
 ) -> Film:
     """Start film of a design, from a few numbers: the pattern of Dai 2024, Fig. 5.
 
@@ -119,11 +122,16 @@ def pattern(
         Error to minimize.
     starts, seed : int
         Number of starts of the search, and the seed of their random variations.
+    preset : {"by-hand", "workshop", "jig"}, optional
+        Usual errors of the tiles, for the table ``[tolerance]`` of the film.
+    sensor : str, optional
+        Part with known noise, counts and range, such as "MLX90393", for the table ``[sensor]``.
 
     Raises
     ------
     ValueError
-        If `starts` is not from 1 to 10 000, `parts` below 1, or `seed` below 0.
+        If `starts` is not from 1 to 10 000, `parts` below 1, or `seed` below 0, or
+            no preset or part has this name.
     MagspliceError
         If other numbers are out of range; the message lists all of them.
     """
@@ -145,6 +153,8 @@ def pattern(
         goal,
         starts,
         seed,
+        preset,
+        sensor,
     )
     return film_of_text(text, "the pattern", None)
 

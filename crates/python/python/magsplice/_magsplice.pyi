@@ -216,4 +216,6 @@ def pattern(
     goal: str,
     starts: int,
     seed: int,
+    preset: str | None,
+    sensor: str | None,
 ) -> str: ...

@@ -19,8 +19,21 @@ class MadeFilms(Result):
 
     samples: int = key("Number of samples of each film.")
     seed: int = key("Seed of the samples, the same for both films.")
-    before: Figures[Statistics] = key("Errors of the film before the search.", Figures)
+    preset: str | None = key("Preset of the errors; None for the errors of ``[tolerance]``.")
+    before: Figures[Statistics] | None = key(
+        "Errors of the film before the search; None without an initial layout.", Figures
+    )
     after: Figures[Statistics] = key("Errors of the film found.", Figures)
+
+
+class OutOfRange(Result):
+    """Points of the working volume where the field leaves the range of the sensor."""
+
+    points: int = key("Number of these points.")
+    of: int = key("Number of all points.")
+    axis: str = key("Axis along which a reading exceeds the range most, as a ratio.")
+    largest_t: float = key("Largest magnitude of a reading along this axis, without the limit.")
+    range_t: float = key("Range along this axis.")
 
 
 class SearchStage(Result):

@@ -73,7 +73,11 @@ pub fn front_figures(front: &ParetoFront, ideal: &IdealFilm) -> Result<Vec<Drawi
     };
     let after = |at: f64, result: &SearchResult| film(at, &result.after, result.made.as_ref().map(|made| &made.after));
     let before = front.by_amplitude.first().map(|(_, result)| {
-        film(result.before.figures.amplitude, &result.before, result.made.as_ref().map(|made| &made.before))
+        film(
+            result.before.figures.amplitude,
+            &result.before,
+            result.made.as_ref().and_then(|made| made.before.as_ref()),
+        )
     });
     let by_amplitude =
         front.by_amplitude.iter().map(|(_, result)| after(result.after.figures.amplitude, result)).collect();

@@ -3,10 +3,10 @@
 use std::path::Path;
 use std::sync::atomic::Ordering;
 
-use magsplice::design::{DesignProblem, ParetoFront};
+use magsplice::design::{DesignProblem, ParetoFront, SearchResult};
 use magsplice::results::{FilmFront, FrontFilm};
 
-use super::search::{layout_text, show};
+use super::search::{front_layout_text, show};
 use super::text;
 use crate::args::formats::TextOrJson;
 use crate::failure::{self, Failure};
@@ -35,16 +35,16 @@ pub(super) fn run(
         let progress = ProgressLine::start_search(!quiet);
         problem.pareto_front(amplitudes, &|update| show(&progress, stop, update)).map_err(failed)?
     };
-    // A film that misses its amplitude is not on the front.
-    let missed: Vec<f64> =
-        front.by_amplitude.iter().filter(|(_, film)| !film.short_of.is_empty()).map(|(a, _)| *a).collect();
+    // A film that misses its amplitude, or is useless, is not on the front.
+    let missed: Vec<String> =
+        front.by_amplitude.iter().filter(|(_, film)| !film.short_of.is_empty()).map(missed).collect();
     let front = ParetoFront {
         by_amplitude: front.by_amplitude.into_iter().filter(|(_, film)| film.short_of.is_empty()).collect(),
         ..front
     };
     let result = FilmFront::new(layout, &front);
     for FrontFilm { file, film } in &result.films {
-        folder.write(file, layout_text(&problem, film, "design --front", output)?.as_bytes())?;
+        folder.write(file, front_layout_text(&problem, film, output)?.as_bytes())?;
     }
     let json = json::pretty(&result);
     folder.write("front.json", json.as_bytes())?;
@@ -55,8 +55,8 @@ pub(super) fn run(
         TextOrJson::Text => print(&text::front(&front))?,
     }
     if !quiet {
-        for least in missed {
-            failure::tell(&format_args!("no film with an amplitude of {least} was found"));
+        for missed in missed {
+            failure::tell(&missed);
         }
     }
     if stop.load(Ordering::Relaxed) {
@@ -66,6 +66,12 @@ pub(super) fn run(
         return Ok(interrupt::INTERRUPTED);
     }
     Ok(0)
+}
+
+/// Why the film for an amplitude is not on the front.
+fn missed((least, film): &(f64, SearchResult)) -> String {
+    let reasons: Vec<String> = film.short_of.iter().map(ToString::to_string).collect();
+    format!("no film with an amplitude of {least} was found: {}", reasons.join("; "))
 }
 
 #[cfg(not(feature = "report"))]

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use magsplice::design::DesignProblem;
+use search::Origin;
 
 use crate::args::formats::TextOrJson;
 use crate::args::numbers::positive;
@@ -22,8 +23,9 @@ mod text;
 ///
 /// The result is a complete layout: the tiles, an [expect] table with the values reached, and a
 /// line of history. Sides and angles are rounded to the resolution of [design]. Ctrl-C ends the
-/// search and keeps the best film so far. Exit status: 0 success; 1 a required amplitude or number
-/// of parts was not reached; 2 there is no film.
+/// search and keeps the best film so far. Exit status: 0 success; 1 a requirement was not reached:
+/// the amplitude, the number of parts, or an error below a tenth of the travel of the sensor; 2
+/// there is no film.
 #[derive(clap::Args)]
 #[command(
     after_help = "Example:\n  magsplice design film.toml -o better.toml\n  magsplice design film.toml --front -o front"
@@ -58,5 +60,5 @@ pub(crate) fn run(args: &DesignArgs, quiet: bool) -> Result<u8, Failure> {
     let problem = DesignProblem::new(&session.layout).map_err(failed)?;
     let output = Output::open(args.output.as_deref(), &[&args.layout])?;
     let result = search::search(&problem, quiet).map_err(failed)?;
-    search::finish(&problem, &result, "design", output, args.output.as_deref(), args.format, quiet)
+    search::finish(&problem, result, Origin::Layout, output, args.output.as_deref(), args.format, quiet)
 }

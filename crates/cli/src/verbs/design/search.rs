@@ -8,8 +8,13 @@ use std::time::Duration;
 
 use indicatif::HumanDuration;
 use magsplice::Stage;
-use magsplice::design::{DesignError, DesignProblem, ProgressUpdate, SearchEstimate, SearchResult, SearchStage};
-use magsplice::layout::TileForm;
+use magsplice::design::{
+    DesignError, DesignProblem, MadeFilms, ProgressUpdate, SearchEstimate, SearchResult, SearchStage, Shortfall,
+    SpliceRequest, SpliceTrial,
+};
+use magsplice::layout::{FilmTolerance, Layout, TileForm};
+use magsplice::magnet::Tile;
+use magsplice::results::FoundFilm;
 
 use super::text;
 use crate::args::formats::TextOrJson;
@@ -20,8 +25,26 @@ use crate::output::destination::{Output, print};
 use crate::progress::ProgressLine;
 use crate::text::number::counted;
 
-/// The verb that begins with a pattern instead of a layout file.
-pub(crate) const SPLICE: &str = "splice";
+/// What a search began with.
+#[derive(Clone, Copy)]
+pub(crate) enum Origin<'r> {
+    /// A layout file, by `design`.
+    Layout,
+    /// The films of `design --front`.
+    Front,
+    /// The pattern of a request, by `splice`.
+    Pattern(&'r SpliceRequest),
+}
+
+impl Origin<'_> {
+    fn verb(self) -> &'static str {
+        match self {
+            Origin::Layout => "design",
+            Origin::Front => "design --front",
+            Origin::Pattern(_) => "splice",
+        }
+    }
+}
 
 /// Searches for a film and shows the progress. Ctrl-C ends the search with the best film so far.
 pub(crate) fn search(problem: &DesignProblem, quiet: bool) -> Result<SearchResult, DesignError> {
@@ -31,6 +54,18 @@ pub(crate) fn search(problem: &DesignProblem, quiet: bool) -> Result<SearchResul
     }
     let progress = ProgressLine::start_search(!quiet);
     problem.search(&|update| show(&progress, stop, update))
+}
+
+/// Samples films as made, and shows the progress.
+pub(crate) fn sampled(
+    problem: &DesignProblem,
+    tiles: &[Tile],
+    tolerance: &FilmTolerance,
+    quiet: bool,
+) -> Result<MadeFilms, Shortfall> {
+    let stop = interrupt::defer();
+    let progress = ProgressLine::start_search(!quiet);
+    problem.found_film_as_made(tiles, tolerance, &|update| show(&progress, stop, update))
 }
 
 /// Searches that take longer than this are announced with their size.
@@ -76,45 +111,74 @@ pub(crate) fn show(progress: &ProgressLine, stop: &AtomicBool, update: ProgressU
 /// Returns exit status 130 if the search was interrupted, and 1 if the film misses a requirement.
 pub(crate) fn finish(
     problem: &DesignProblem,
-    result: &SearchResult,
-    verb: &str,
+    result: SearchResult,
+    origin: Origin,
     output: Output,
     path: Option<&Path>,
     format: TextOrJson,
     quiet: bool,
 ) -> Result<u8, Failure> {
     let folder = path.and_then(Path::parent).unwrap_or(Path::new(""));
-    let layout = layout_text(problem, result, verb, folder)?;
+    let layout = layout_of(problem, &result, origin);
+    let text = in_toml(&layout, folder)?;
     let to_file = !output.is_standard();
-    output.complete(&layout)?;
-    let summary = format.shown(result, || text::search_result(problem, result, path, verb == SPLICE));
+    // Before other work, which may be interrupted.
+    output.complete(&text)?;
+    let mut found = FoundFilm::new(result.clone(), layout).unwrap_or_else(|error| {
+        failure::tell(&format_args!("warning: the sensor cannot read the film found: {error}"));
+        FoundFilm { search: result, out_of_range: None, trials: Vec::new() }
+    });
+    if let Origin::Pattern(request) = origin
+        && !found.search.interrupted
+        && found.search.short_of.iter().any(|short| matches!(short, Shortfall::Travel { .. }))
+    {
+        found.trials = trials(request, quiet);
+    }
+    let is_pattern = matches!(origin, Origin::Pattern(_));
+    let summary = format.shown(&found, || text::found_film(problem, &found, path, is_pattern));
     if to_file {
         print(&summary)?;
     } else if !quiet {
         let _ = std::io::stderr().write_all(summary.as_bytes());
     }
-    if result.interrupted {
+    if found.search.interrupted {
         if !quiet {
             failure::tell(&"interrupted: this is the best film found so far");
         }
         return Ok(INTERRUPTED);
     }
-    Ok(u8::from(!result.short_of.is_empty()))
+    Ok(u8::from(!found.search.short_of.is_empty()))
+}
+
+/// Searches with one number of the request changed. Ctrl-C ends them.
+fn trials(request: &SpliceRequest, quiet: bool) -> Vec<SpliceTrial> {
+    if !quiet {
+        failure::tell(&"the film found is useless; searching with one option changed at a time, Ctrl-C ends this");
+    }
+    let stop = interrupt::defer();
+    let progress = ProgressLine::start_search(!quiet);
+    request.trials(&|update| show(&progress, stop, update))
+}
+
+fn layout_of(problem: &DesignProblem, result: &SearchResult, origin: Origin) -> Layout {
+    let program = format!("{PROGRAM} {}", origin.verb());
+    match origin {
+        Origin::Pattern(_) => problem.spliced_layout(result, &program),
+        Origin::Layout | Origin::Front => problem.designed_layout(result, &program),
+    }
 }
 
 /// The layout file of a film that was found, to be written into `folder`. Refuses a film that
 /// breaks a rule of layouts.
-pub(crate) fn layout_text(
+fn in_toml(layout: &Layout, folder: &Path) -> Result<String, Failure> {
+    Ok(layout.to_edited_toml(TileForm::Compact, folder, "the film found")?)
+}
+
+/// The layout file of a film of a front, to be written into `folder`.
+pub(super) fn front_layout_text(
     problem: &DesignProblem,
     result: &SearchResult,
-    verb: &str,
     folder: &Path,
 ) -> Result<String, Failure> {
-    let program = format!("{PROGRAM} {verb}");
-    let layout = if verb == SPLICE {
-        problem.spliced_layout(result, &program)
-    } else {
-        problem.designed_layout(result, &program)
-    };
-    Ok(layout.to_edited_toml(TileForm::Compact, folder, "the film found")?)
+    in_toml(&layout_of(problem, result, Origin::Front), folder)
 }

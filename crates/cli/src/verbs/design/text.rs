@@ -4,22 +4,25 @@ use std::fmt::Write;
 use std::path::Path;
 
 use magsplice::decouple::Figures;
-use magsplice::design::{DesignProblem, MadeFilms, Metrics, ParetoFront, SearchResult};
+use magsplice::design::{DesignProblem, MadeFilms, Metrics, ParetoFront, SearchResult, SpliceChange, SpliceTrial};
 use magsplice::layout::Symmetry;
 use magsplice::prelude::DVec3;
+use magsplice::results::{FoundFilm, OutOfRange, twelve_digits};
 use magsplice::tolerance::Statistics;
 
 use crate::text::number::{counted, number, uniformity_number};
 use crate::text::rows;
+use crate::text::units::in_mt;
 
-/// The film before and after the search, side by side. The film before is a pattern if
-/// `from_pattern`.
-pub(super) fn search_result(
+/// The film before and after the search, side by side, and what the film is worth. The film before
+/// is a pattern if `from_pattern`.
+pub(super) fn found_film(
     problem: &DesignProblem,
-    result: &SearchResult,
+    found: &FoundFilm,
     path: Option<&Path>,
     from_pattern: bool,
 ) -> String {
+    let result = &found.search;
     let [nx, ny, nz] = problem.grid().counts();
     let mut text = format!(
         "{} in {}, designed on {nx} x {ny} x {nz} points; {}\n\n",
@@ -73,19 +76,77 @@ pub(super) fn search_result(
     for short in &result.short_of {
         let _ = writeln!(text, "not reached: {short}");
     }
+    trials(&mut text, problem, &found.trials);
+    if let Some(beyond) = &found.out_of_range {
+        let _ = writeln!(text, "warning: {}", out_of_range(beyond));
+    }
     if let Some(path) = path {
         let path = path.display();
         let _ = writeln!(text, "wrote {path}; look at it with `magsplice report {path} -o report`");
+        if let Some(made) = &result.made {
+            let preset = made.preset.map_or(String::new(), |preset| format!(" --preset {}", preset.name()));
+            let _ = writeln!(text, "`magsplice tolerance {path}{preset}` evaluates films as made");
+        }
     }
     text
+}
+
+/// Which limit stands in the way of a film, found by searches with one option changed.
+fn trials(text: &mut String, problem: &DesignProblem, trials: &[SpliceTrial]) {
+    if trials.is_empty() {
+        return;
+    }
+    for SpliceTrial { change, displacement_rmse_mm, .. } in trials.iter().filter(|trial| trial.is_enough) {
+        let [x, y, z] = displacement_rmse_mm.map(|error_mm| format!("{error_mm:.2e}")).to_array();
+        let _ = writeln!(text, "{}: {} gives {x}, {y}, {z} mm along x, y, z", change.limit(), in_option(*change));
+    }
+    let not_enough: Vec<String> =
+        trials.iter().filter(|trial| !trial.is_enough).map(|trial| in_option(trial.change)).collect();
+    if not_enough.len() == trials.len() {
+        let _ = writeln!(
+            text,
+            "none of these is enough alone, so combine them or change the wavelength, {} mm: {}",
+            problem.ideal().wavelength(),
+            not_enough.join(", ")
+        );
+    } else if !not_enough.is_empty() {
+        let _ = writeln!(text, "not enough alone: {}", not_enough.join(", "));
+    }
+}
+
+/// A change as the option of `splice` that makes it.
+fn in_option(change: SpliceChange) -> String {
+    match change {
+        SpliceChange::Starts(starts) => format!("--starts {starts}"),
+        SpliceChange::SmallestCutMm(cut_mm) => format!("--smallest-cut {cut_mm}"),
+        SpliceChange::FilmMm([x, y]) => format!("--film {x}x{y}"),
+        SpliceChange::RangeMm([x, y]) => format!("--range {x}x{y}"),
+        SpliceChange::DistanceMm([near, far]) => format!("--distance {near}..{far}"),
+        SpliceChange::LeastAmplitude(least) => format!("--amplitude {least}"),
+        SpliceChange::AnyParts => "no --parts".to_owned(),
+        _ => "another option".to_owned(),
+    }
+}
+
+/// Where the field of a film leaves the range of its sensor.
+fn out_of_range(beyond: &OutOfRange) -> String {
+    let OutOfRange { points, of, axis, largest_t, range_t } = *beyond;
+    format!(
+        "the field leaves the range of the sensor at {points} of {of} points: B_{axis} reaches {:.4} mT, the range is \
+         {} mT; weaker tiles, a greater distance or another sensor help",
+        in_mt(largest_t),
+        twelve_digits(in_mt(range_t))
+    )
 }
 
 /// The errors of films as made, before and after the search.
 fn films_made(text: &mut String, made: &MadeFilms, before: &str) {
     let samples = counted(made.samples as usize, "sample", "samples");
-    let _ = writeln!(text, "\nRMSE of displacement of films as made, mm; {samples}, seed {}", made.seed);
+    let errors = made.preset.map_or(String::new(), |preset| format!(", errors of the preset {}", preset.name()));
+    let _ = writeln!(text, "\nRMSE of displacement of films as made, mm; {samples}, seed {}{errors}", made.seed);
     rows::heading(text, "", ["x", "y", "z"]);
-    for (film, errors) in [(before, &made.before), ("after", &made.after)] {
+    let before = made.before.as_ref().map(|errors| (before, errors));
+    for (film, errors) in before.into_iter().chain([("after", &made.after)]) {
         let mut percentile = |name: &str, of: &dyn Fn(&Statistics) -> f64| {
             let cells = errors.displacement_rmse_mm.map(|axis| number(of(&axis)));
             rows::cells(text, &format!("  {film}, {name}"), cells.to_array());

@@ -1,0 +1,96 @@
+//! `splice`.
+
+use crate::Sandbox;
+
+#[test]
+fn splice_finds_a_film() {
+    let sandbox = Sandbox::new();
+    let said = sandbox.run(&["splice", "--wavelength", "6", "--film", "12x12", "--starts", "1", "-o", "film.toml"]);
+    assert_eq!(said.status, 0, "{}{}", said.stdout, said.stderr);
+    let checked = sandbox.run(&["check", "film.toml"]);
+    assert_eq!(checked.status, 0, "{}", checked.stdout);
+    // The layout is short: one line for each of nine tiles, whose images are the other 47, and
+    // angles with as many digits as were asked for.
+    let text = sandbox.read("film.toml");
+    let lines: Vec<&str> = text.lines().filter(|line| line.contains("position_mm")).collect();
+    assert!((9..=20).contains(&lines.len()) && text.lines().count() < 90, "{text}");
+    for line in lines {
+        assert!(!line.contains("polarization_t") && line.contains("direction_deg = "), "{line}");
+        let (_, angle) = line.split_once("direction_deg = ").expect("an angle");
+        let angle = angle.split([',', ' ']).next().expect("a number");
+        assert!(angle.split_once('.').is_some_and(|(_, decimals)| decimals.len() <= 2), "{line}");
+    }
+    assert!(text.contains("mirror = { axes = [\"x\", \"y\"] }"), "{text}");
+    assert!(!text.contains("sha256") && text.contains("from the start pattern (Dai 2024, Fig. 5) for "), "{text}");
+    assert!(said.stdout.contains(" tiles, from which the four-fold symmetry makes all "), "{}", said.stdout);
+    assert!(said.stdout.contains("; 1 of 1 start found this film or one as good\n"), "{}", said.stdout);
+    assert!(said.stdout.contains("start pattern        after"), "{}", said.stdout);
+    let found = sandbox.run(&["decouple", "film.toml", "--format", "json"]);
+    let found: serde_json::Value = serde_json::from_str(&found.stdout).expect("JSON");
+    assert!(found["displacement_rmse_mm"]["x"].as_f64().expect("a number") < 0.002, "{found}");
+    sandbox
+        .run(&["splice", "--wavelength", "6", "--film", "3x12"])
+        .refuses("film: 3 mm along x, must be at least 5.0000 mm");
+    sandbox
+        .run(&["splice", "--wavelength", "6", "--film", "12"])
+        .refuses_arguments("two lengths with an x between them");
+}
+
+/// A film whose errors are above a tenth of the travel measures next to nothing.
+#[test]
+fn splice_reports_a_useless_film_and_the_limit_in_its_way() {
+    let sandbox = Sandbox::new();
+    let request = ["splice", "--wavelength", "8", "--film", "8x8", "--starts", "1", "-o", "film.toml"];
+    let splice = |options: &[&str]| sandbox.run(&[&request[..], options].concat());
+    let useless = splice(&["--smallest-cut", "2"]);
+    assert_eq!(useless.status, 1, "{}", useless.stderr);
+    for part in [
+        "\nnot reached: RMSE of displacement: 0.188 mm, 12 % of the travel of 1.6 mm along z, must be at most 10 %\n",
+        "\nthe smallest cut is too long: --smallest-cut 0.64 gives ",
+        "\nthe film is too small for the wavelength and the range: --film 12x12 gives ",
+        "\nnot enough alone: --starts 32, ",
+    ] {
+        assert!(useless.stdout.contains(part), "{part:?} is not in {}", useless.stdout);
+    }
+    // The advice is true.
+    let better = splice(&["--smallest-cut", "0.64", "--format", "json"]);
+    assert_eq!(better.status, 0, "{}", better.stderr);
+    let found: serde_json::Value = serde_json::from_str(&better.stdout).expect("JSON");
+    assert_eq!((found["short_of"].as_array().map(Vec::len), found.get("trials")), (Some(0), None));
+}
+
+#[test]
+fn splice_ends_with_the_film_as_made_and_its_sensor() {
+    let sandbox = Sandbox::new();
+    let request = ["splice", "--wavelength", "8", "--film", "7x7", "--starts", "1", "-o", "film.toml"];
+    let splice = |options: &[&str]| {
+        let said = sandbox.run(&[&request[..], options].concat());
+        assert_eq!(said.status, 0, "{}", said.stderr);
+        said.stdout
+    };
+    let assumed = splice(&[]);
+    for part in [
+        "films as made, mm; 200 samples, seed 1, errors of the preset workshop\n",
+        "\n  after, P95 ",
+        "\n`magsplice tolerance film.toml --preset workshop` evaluates films as made\n",
+    ] {
+        assert!(assumed.contains(part), "{part:?} is not in {assumed}");
+    }
+    let written = sandbox.read("film.toml");
+    assert!(!written.contains("[tolerance]") && !written.contains("[expect.made"), "{written}");
+
+    let text = splice(&["--preset", "jig", "--sensor", "mmc5983ma"]);
+    assert!(text.contains("films as made, mm; 1000 samples, seed 1\n"), "{text}");
+    assert!(text.contains("\n`magsplice tolerance film.toml` evaluates films as made\n"), "{text}");
+    assert!(text.contains("\nwarning: the field leaves the range of the sensor at 401 of 405 points: B_z reaches 6.0775 mT, the range is 0.8 mT; "), "{text}");
+    let written = sandbox.read("film.toml");
+    for table in ["[tolerance]", "[expect.made", "[sensor]\npart = \"MMC5983MA\""] {
+        assert!(written.contains(table), "{table:?} is not in {written}");
+    }
+    let found: serde_json::Value =
+        serde_json::from_str(&splice(&["--sensor", "MMC5983MA", "--format", "json"])).expect("JSON");
+    assert_eq!((&found["out_of_range"]["points"], &found["out_of_range"]["axis"]), (&401.into(), &"z".into()));
+    assert_eq!((&found["made"]["preset"], found["made"].get("before")), (&"workshop".into(), None));
+    let of_large = splice(&["--sensor", "MLX90393", "--format", "json"]);
+    assert!(!of_large.contains("out_of_range"), "{of_large}");
+}
