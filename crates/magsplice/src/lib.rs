@@ -67,6 +67,9 @@ pub mod results;
 /// Progress of an evaluation.
 #[cfg(feature = "layout")]
 mod stage;
+/// The number of threads that compute.
+#[cfg(feature = "layout")]
+pub mod threads;
 
 #[cfg(feature = "layout")]
 pub use film::Film;

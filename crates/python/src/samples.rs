@@ -32,7 +32,7 @@ pub(crate) fn samples<'py>(
     progress: Option<Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let film = film.with_tables(py, film.layout_with_errors(preset)?)?;
-    let pool = threads.map(|count| rayon::ThreadPoolBuilder::new().num_threads(count).build()).transpose();
+    let pool = threads.map(|count| magsplice::threads::pool(Some(count))).transpose();
     let pool = pool.map_err(failed)?;
     let tell = |done: u64| progress.as_ref().map_or(Ok(()), |call| call.call1((done, count)).map(|_| ()));
     let sampling = film.sampling().map_err(of_film)?;

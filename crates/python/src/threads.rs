@@ -5,10 +5,11 @@
 
 use std::mem;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, Once, PoisonError};
 
+use magsplice::threads;
 use pyo3::prelude::*;
-use rayon::{ThreadPool, ThreadPoolBuilder};
+use rayon::ThreadPool;
 
 use crate::exceptions::failed;
 
@@ -17,6 +18,8 @@ static IS_FORKED: AtomicBool = AtomicBool::new(false);
 /// The pool of a forked process. It is locked only by threads attached to the interpreter, so no
 /// other thread holds it at a fork.
 static POOL: Mutex<Option<Arc<ThreadPool>>> = Mutex::new(None);
+/// The start of the global pool.
+static START: Once = Once::new();
 
 /// Registers [`after_fork`] with the interpreter; without effect on systems without a fork.
 pub(crate) fn watch_forks(module: &Bound<'_, PyModule>) -> PyResult<()> {
@@ -43,12 +46,14 @@ fn after_fork() {
 /// If the system refuses the threads.
 pub(crate) fn pool(_: Python<'_>) -> PyResult<Option<Arc<ThreadPool>>> {
     if !IS_FORKED.load(Ordering::Relaxed) {
+        // Rayon reports threads that the system refuses when the work begins.
+        START.call_once(|| _ = threads::start(None));
         return Ok(None);
     }
     let mut kept = POOL.lock().unwrap_or_else(PoisonError::into_inner);
     let pool = match kept.take() {
         Some(pool) => pool,
-        None => Arc::new(ThreadPoolBuilder::new().build().map_err(failed)?),
+        None => Arc::new(threads::pool(None).map_err(failed)?),
     };
     Ok(Some(kept.insert(pool).clone()))
 }

@@ -1,7 +1,10 @@
 """Arguments that break rules, and results at the ends of their ranges."""
 
+import os
 import pickle
 import re
+import subprocess
+import sys
 import warnings
 
 import numpy as np
@@ -255,3 +258,20 @@ def test_spliced_films_have_a_preset_and_a_sensor():
         magsplice.pattern(8, (7, 7), preset="desk")
     with pytest.raises(ValueError, match="sensor = \"MLX\", must be one of: LIS3MDL, "):
         magsplice.pattern(8, (7, 7), sensor="MLX")
+
+
+@pytest.mark.skipif(not os.path.exists("/proc/self/task"), reason="the system lists no threads")
+def test_threads_of_the_environment_are_bounded():
+    code = """
+import os
+import magsplice
+tile = magsplice.Tile((0, 0, 0), (1, 1, 1), (0, 0, 1))
+before = len(os.listdir("/proc/self/task"))
+magsplice.Film([tile], name="tile").b([(0, 0, 1)] * 100_000)
+print(len(os.listdir("/proc/self/task")) - before)
+"""
+    environment = {**os.environ, "RAYON_NUM_THREADS": "100000"}
+    command = [sys.executable, "-c", code]
+    found = subprocess.run(command, env=environment, check=True, stdout=subprocess.PIPE).stdout
+    # One more watches for Ctrl-C.
+    assert 1 <= int(found) <= 4 * os.cpu_count() + 1

@@ -108,8 +108,8 @@ class Film(Assembly):
     -----
     The error of a field is at most 2e-14 of the sum, over all tiles, of the magnitudes of the
     fields of the three components of J. All processors are used; the environment variable
-    RAYON_NUM_THREADS limits them. The interpreter is free for other threads during work, and Ctrl-C
-    interrupts it. A method raises MagspliceError if the layout lacks a required table.
+    RAYON_NUM_THREADS sets their number, at most four per processor. The interpreter is free for
+    other threads during work, and Ctrl-C interrupts it. A method raises MagspliceError if the layout lacks a required table.
 
     "Dai 2024" is Dai et al., Magnetochemistry 2024, 10(1), 6.
 
@@ -591,7 +591,8 @@ class Film(Assembly):
         first : int
             Number of the first sample.
         threads : int, optional
-            Number of threads. Default: all processors, and 1 in a task of a client.
+            Number of threads, at most four per processor. Default: all processors, and 1 in a task
+            of a client.
         client : distributed.Client, optional
             Dask client whose workers compute the samples. The loss of a worker costs time, but no
             sample. docs/python-cluster.md describes clusters.
