@@ -46,8 +46,48 @@ impl PlanRow {
         }
     }
 
+    /// The rows of a plan in the order in which a person places the tiles: placed tiles first, then
+    /// layer by layer from below, row by row from the largest y, and from left to right.
+    pub fn in_placing_order(plan: &[PlanRow]) -> Vec<&PlanRow> {
+        let mut rows: Vec<&PlanRow> = plan.iter().collect();
+        // Micrometres, so that round-off does not divide a row of tiles.
+        let step = |mm: f64| (1e3 * mm).round() as i64;
+        rows.sort_by_key(|row| {
+            let DVec3 { x, y, z } = row.centre_mm;
+            (!row.is_placed, step(z), -step(y), step(x))
+        });
+        rows
+    }
+
     /// Whether the upward side of the measurement is the upward side in the film.
     pub fn is_upright(&self) -> bool {
         self.up == "+z"
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tiles_are_placed_row_by_row() {
+        let row = |place: &str, centre_mm: [f64; 3], is_placed| PlanRow {
+            place: place.to_owned(),
+            tile: String::new(),
+            centre_mm: centre_mm.into(),
+            up: "+z",
+            mark: "+x",
+            mark_deg: 0.0,
+            is_placed,
+        };
+        let plan = [
+            row("front", [0.0, -2.0, 0.5], false),
+            row("right", [2.0, 1.0, 0.5], false),
+            row("upper", [-2.0, 1.0, 1.5], false),
+            row("left", [-2.0, 1.0 - 1e-9, 0.5], false),
+            row("placed", [0.0, -5.0, 0.5], true),
+        ];
+        let order: Vec<&str> = PlanRow::in_placing_order(&plan).iter().map(|row| row.place.as_str()).collect();
+        assert_eq!(order, ["placed", "left", "right", "front", "upper"]);
     }
 }
