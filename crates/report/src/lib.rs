@@ -70,7 +70,7 @@ pub use figures::placement_plan::placement_plan_figure;
 pub use figures::scan_maps::scan_figures;
 pub use page::PrintedResults;
 pub use pair::PairReport;
-pub use printed_film::{bill_page, plan_page};
+pub use printed_film::{bill_page, parts_figure, plan_page};
 pub use report::Report;
 pub use survey::FilmSamples;
 pub use tile_shapes::from_above as tile_outline;

@@ -4,13 +4,28 @@ use magsplice::layout::Layout;
 use magsplice::making::PlanRow;
 use magsplice::results::{BillOfMaterials, PartItem, twelve_digits};
 
-use crate::drawing::Drawing;
+use crate::drawing::{Drawing, SvgText};
+use crate::error::ReportError;
+use crate::figures::layout_from_above::layout_figure;
 use crate::printed_page::{PrintedTable, printed_page};
 
-/// A page with a film and its bill of materials, as HTML.
+/// The tiles of a film from above, each with the number of its part in the bill of materials.
+///
+/// # Errors
+/// [`ReportError::Drawing`] if the figure cannot be drawn.
+pub fn parts_figure(list: &BillOfMaterials, text: SvgText) -> Result<Drawing, ReportError> {
+    let mut layout = list.layout.clone();
+    for (named, part) in layout.tiles.iter_mut().zip(list.part_numbers()) {
+        named.name = part.to_string();
+    }
+    layout_figure(&layout, text)
+}
+
+/// A page with a film and its bill of materials, as HTML. `figure` is the [`parts_figure`].
 pub fn bill_page(list: &BillOfMaterials, figure: &Drawing) -> String {
     let layout = list.layout;
-    page(layout, &layout.name, &[summary(list)], figure, &[bill(list)])
+    let numbers = "The numbers in the drawing are the numbers of the parts.".to_owned();
+    page(layout, &layout.name, &[summary(list), numbers], figure, &[bill(list)])
 }
 
 /// A page with the plan by which a film is placed, and its bill of materials, as HTML.
@@ -81,9 +96,30 @@ fn plan_table(plan: &[PlanRow]) -> PrintedTable<'static> {
     };
     PrintedTable {
         heading: "Plan",
-        remark: "Centres of the tiles in mm.".to_owned(),
+        remark: "Centres of the tiles in mm. Placed tiles come first, then row by row from the largest y, from left to right.".to_owned(),
         columns: vec!["place", "tile", "x", "y", "z", "up", "mark", "angle, deg", "placed"],
-        rows: plan.iter().map(row).collect(),
+        rows: PlanRow::in_placing_order(plan).into_iter().map(row).collect(),
         has_boxes: true,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn drawing_of_the_bill_has_the_numbers_of_the_parts() {
+        let tile = |name: &str, x: f64, side: f64| {
+            format!(
+                "[[tile]]\nname = \"{name}\"\nposition_mm = [{x}, 0, 0.5]\nsize_mm = [{side}, 3, 1]\n\
+                 polarization_t = [0, 0.1, 0]\n"
+            )
+        };
+        let tiles = [tile("left", -4.0, 3.0), tile("middle", 0.0, 3.0), tile("right", 4.0, 2.5)].concat();
+        let layout = Layout::parse(&format!("format = 1\nname = \"three\"\n{tiles}"), "test").expect("a layout");
+        let drawn = parts_figure(&BillOfMaterials::new(&layout, None), SvgText::Text).expect("a drawing").svg;
+        // The labels of the tiles come before the numbers of the axes.
+        let labels: Vec<&str> = drawn.lines().filter(|line| !line.starts_with('<')).take(3).collect();
+        assert_eq!(labels, ["1", "1", "2"], "{drawn}");
     }
 }
