@@ -184,6 +184,14 @@ impl RecoilEstimate {
         found.filter_map(Result::transpose).collect()
     }
 
+    /// The estimates for the permeabilities of a layout. Empty if it states none.
+    ///
+    /// # Errors
+    /// As [`RecoilEstimate::new`].
+    pub fn of_stated(layout: &Layout) -> Result<Vec<RecoilEstimate>, FilmError> {
+        if layout.has_recoil() { RecoilEstimate::usual(layout) } else { Ok(Vec::new()) }
+    }
+
     /// The estimate for tiles with the permeabilities of the layout, or if it states none, all with
     /// `permeability`. `None` if the layout has no ideal film or no working volume, has more than a
     /// thousand tiles, or its figures do not exist.

@@ -41,7 +41,7 @@ pub(crate) fn check<'py>(py: Python<'py>, film: &Film, baseline: Option<Held<'py
         return dictionary(py, &checked);
     }
     let (outcomes, estimates) =
-        film.run(py, |film| Ok((film.outcomes(held.as_ref()), RecoilEstimate::usual(film.layout()))))?;
+        film.run(py, |film| Ok((film.outcomes(held.as_ref()), RecoilEstimate::of_stated(film.layout()))))?;
     let outcome = |(expectation, outcome): (Expectation, Result<_, magsplice::FilmError>)| {
         let outcome = match (fault, expectation) {
             (Some(fault), Expectation::Field) => Err(fault.clone()),

@@ -57,7 +57,7 @@ class Check(Result):
     findings: list[str] = key("Allowed properties that are usually a mistake.")
     expectations: list[Outcome] = key("One for each bound of ``[expect]``.", Outcome)
     recoil_estimates: list[RecoilEstimate] | None = key(
-        "The effect of recoil to first order; None if unknown.", RecoilEstimate
+        "The effect of recoil to first order; None without a permeability.", RecoilEstimate
     )
 
     def __getitem__(self, expectation: str) -> Outcome:
