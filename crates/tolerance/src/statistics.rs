@@ -35,6 +35,10 @@ pub struct Statistics {
 }
 
 impl Statistics {
+    /// Number of samples from which on both ends of the intervals of the 5th and the 95th
+    /// percentile are finite.
+    pub const SAMPLES_OF_P95: usize = 110;
+
     /// Statistics of samples, which must be numbers. `None` without samples.
     ///
     /// The interval of the mean assumes normal errors. The interval of a percentile lies between
@@ -115,6 +119,11 @@ mod tests {
         // Ranks 50.5 -+ 9.85, rounded outwards; 95.95 + 4.3 and one more is beyond the last.
         assert_eq!(found.p50.interval, [39.0, 61.0]);
         assert_eq!(found.p99.interval[1], f64::INFINITY);
+        let finite = |count: usize| {
+            let found = Statistics::new((0..count).map(|n| n as f64)).expect("samples");
+            [found.p5, found.p95].iter().all(|shown| shown.interval.iter().all(|end| end.is_finite()))
+        };
+        assert!((Statistics::SAMPLES_OF_P95..2000).all(finite) && !finite(Statistics::SAMPLES_OF_P95 - 1));
         assert!(Statistics::new([]).is_none());
         assert_eq!(Statistics::new([2.0]).expect("one").mean.interval, [f64::NEG_INFINITY, f64::INFINITY]);
     }
