@@ -35,19 +35,21 @@ mod verbs;
 /// Errors of the library in words with the names of tiles.
 mod words;
 
+use std::env;
 use std::process::ExitCode;
 
-use clap::{CommandFactory, Parser};
+use clap::{CommandFactory, FromArgMatches};
 
 use args::Args;
 use failure::Failure;
+use magsplice::threads;
 
 fn main() -> ExitCode {
-    let Args { common, verb } = Args::parse();
-    if let Some(count) = common.threads
-        && let Err(error) = rayon::ThreadPoolBuilder::new().num_threads(count).build_global()
-    {
-        failure::tell(&format_args!("cannot start {count} threads: {error}"));
+    let words = args::layout_first(env::args_os().collect());
+    let matches = args::command().get_matches_from(words);
+    let Args { common, verb } = Args::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    if let Err(error) = threads::start(common.threads) {
+        failure::tell(&format_args!("cannot start threads: {error}; give a smaller --threads"));
         return ExitCode::from(2);
     }
     match verb.run(common.quiet, Args::command) {

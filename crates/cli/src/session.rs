@@ -4,7 +4,7 @@ use std::iter;
 use std::path::Path;
 use std::sync::Arc;
 
-use magsplice::layout::{FindingSubject, Layout, WorkingVolume};
+use magsplice::layout::{FindingSubject, Layout, LayoutError, WorkingVolume};
 use magsplice::{Film, FilmError};
 
 use crate::csv_input::table::are_typed;
@@ -12,6 +12,8 @@ use crate::failure::{self, Failure};
 use crate::output::destination::{self, Output};
 #[cfg(feature = "report")]
 use crate::output::figure_file::{self, FigureFile};
+#[cfg(feature = "report")]
+use crate::output::page_file;
 use crate::progress::ProgressLine;
 use crate::remarks;
 use crate::text::recoil::beyond_knee;
@@ -29,6 +31,21 @@ pub(crate) struct Session<'p> {
     pub(crate) progress: Arc<ProgressLine>,
     subjects: &'static [FindingSubject],
     quiet: bool,
+}
+
+/// Endings of tables, which no layout has.
+const OF_TABLES: [&str; 5] = ["csv", "tsv", "txt", "dat", "xlsx"];
+
+/// The failure of a layout that cannot be read. A table in its place is called a table.
+fn layout_failure(path: &Path, error: LayoutError) -> Failure {
+    let is_table =
+        path.extension().is_some_and(|ending| OF_TABLES.iter().any(|table| ending.eq_ignore_ascii_case(table)));
+    match error {
+        LayoutError::Syntax { .. } if is_table => {
+            Failure::at(path, "is a table, must be a layout (TOML), such as film.toml; the layout comes first")
+        }
+        error => error.into(),
+    }
 }
 
 impl<'p> Session<'p> {
@@ -59,7 +76,7 @@ impl<'p> Session<'p> {
         quiet: bool,
         progress: Arc<ProgressLine>,
     ) -> Result<Session<'p>, Failure> {
-        let layout = Arc::new(Layout::read(path)?);
+        let layout = Arc::new(Layout::read(path).map_err(|error| layout_failure(path, error))?);
         if !quiet {
             progress.suspend(|| remarks::tell(path, &layout, subjects));
         }
@@ -144,6 +161,17 @@ impl<'p> Session<'p> {
     ) -> Result<Option<FigureFile>, Failure> {
         let inputs: Vec<&Path> = iter::once(self.path).chain(inputs).collect();
         figure_file::open(path, &inputs)
+    }
+
+    /// Opens the file of a page in the same way.
+    #[cfg(feature = "report")]
+    pub(crate) fn page<'a>(
+        &'a self,
+        path: Option<&Path>,
+        inputs: impl IntoIterator<Item = &'a Path>,
+    ) -> Result<Option<Output>, Failure> {
+        let inputs: Vec<&Path> = iter::once(self.path).chain(inputs).collect();
+        page_file::open(path, &inputs)
     }
 
     /// Prints a text on standard output. The work is done.

@@ -9,7 +9,7 @@ use magsplice::prelude::DVec3;
 
 use crate::failure::Failure;
 use crate::faults::FaultList;
-use crate::text::number::number;
+use crate::text::number::{number, point};
 use crate::text::units::in_mt;
 
 /// The failure of a film: points without a field one by one, with the names of tiles.
@@ -20,7 +20,7 @@ pub(crate) fn film_failure(path: &Path, layout: &Layout, error: FilmError) -> Fa
     let mut faults = FaultList::default();
     for error in errors.0 {
         let p = error.point;
-        faults.add(0, format!("point ({}, {}, {}) mm: {}", p.x, p.y, p.z, no_field(error.cause, layout)));
+        faults.add(0, format!("point {} mm: {}", point(p), no_field(error.cause, layout)));
     }
     faults.failure(path.display())
 }

@@ -127,8 +127,8 @@ impl FileKind {
 
 /// A format that an option or the ending of a file chooses.
 pub(crate) trait FileFormat: ValueEnum + Copy + PartialEq + 'static {
-    /// The option that chooses it.
-    const OPTION: &'static str = "--format";
+    /// The option that chooses it. `None` where the ending alone does.
+    const OPTION: Option<&'static str> = Some("--format");
 
     /// Its files.
     fn file(self) -> FileKind;
@@ -153,7 +153,7 @@ impl FileFormat for TableFormat {
 }
 
 impl FileFormat for ExportFormat {
-    const OPTION: &'static str = "--to";
+    const OPTION: Option<&'static str> = Some("--to");
 
     fn file(self) -> FileKind {
         match self {

@@ -52,7 +52,12 @@ pub(crate) fn whole<T: FromStr + PartialOrd + Display>(text: &str, range: RangeI
 /// A number above 0.
 pub(crate) fn positive(text: &str) -> Result<f64, String> {
     let number = text.trim().parse().ok().filter(|value: &f64| *value > 0.0 && value.is_finite());
-    number.ok_or_else(|| "must be a number greater than 0".to_owned())
+    number.ok_or_else(|| "must be a number greater than 0, such as 0.65".to_owned())
+}
+
+/// The seed of random numbers.
+pub(crate) fn seed(text: &str) -> Result<u64, String> {
+    whole(text, 0..=u64::MAX)
 }
 
 /// A flux density or polarization in T.
@@ -76,17 +81,55 @@ pub(crate) fn vector(text: &str, value: fn(&str) -> Result<f64, String>, rule: &
 /// Two lengths in mm with an x between them.
 pub(crate) fn extents_mm(text: &str) -> Result<[f64; 2], String> {
     let parts = text.split_once(['x', 'X', '×']);
-    lengths_mm(parts, "x", "must be two lengths with an x between them, such as 20x20 or 20mmx20mm")
+    lengths_mm(
+        text,
+        parts,
+        Pair { between: "x", rule: "must be two lengths with an x between them, such as 20x20 or 20mmx20mm" },
+    )
 }
 
 /// Two lengths in mm with .. between them.
 pub(crate) fn interval_mm(text: &str) -> Result<[f64; 2], String> {
-    lengths_mm(text.split_once(".."), "..", "must be two lengths with .. between them, such as 3..5 or 3mm..5mm")
+    lengths_mm(
+        text,
+        text.split_once(".."),
+        Pair { between: "..", rule: "must be two lengths with .. between them, such as 3..5 or 3mm..5mm" },
+    )
 }
 
-/// The lengths of two parts. A unit at the end holds for both.
-fn lengths_mm(parts: Option<(&str, &str)>, between: &str, rule: &str) -> Result<[f64; 2], String> {
-    let (first, second) = parts.ok_or_else(|| rule.to_owned())?;
+/// How two lengths are written.
+#[derive(Clone, Copy)]
+struct Pair {
+    between: &'static str,
+    rule: &'static str,
+}
+
+impl Pair {
+    /// Why a text without the mark between lengths is no pair, with what was probably meant.
+    fn refusal(&self, text: &str) -> String {
+        let Pair { between, rule } = self;
+        let is_length = |text: &str| length_mm(text).is_ok();
+        if is_length(text) {
+            let (is, meant) =
+                ("is one length", if *between == "x" { format!(": write {text}x{text}") } else { String::new() });
+            return format!("{is}, {rule}{meant}");
+        }
+        // Not at the first character, which may be a minus sign.
+        let marks = text.char_indices().skip(1).filter(|(_, mark)| !mark.is_ascii_alphanumeric() && *mark != '.');
+        let parts = marks.map(|(at, mark)| (text[..at].trim(), text[at + mark.len_utf8()..].trim()));
+        let words = ["to", "by"].iter().filter_map(|word| text.split_once(word));
+        let meant = parts
+            .chain(words)
+            .map(|(one, other)| (one.trim(), other.trim()))
+            .find(|(one, other)| is_length(one) && is_length(other));
+        meant.map_or((*rule).to_owned(), |(one, other)| format!("{rule}: write {one}{between}{other}"))
+    }
+}
+
+/// The lengths of two parts of `text`. A unit at the end holds for both.
+fn lengths_mm(text: &str, parts: Option<(&str, &str)>, pair: Pair) -> Result<[f64; 2], String> {
+    let (first, second) = parts.ok_or_else(|| pair.refusal(text.trim()))?;
+    let Pair { between, rule } = pair;
     let ((first, first_unit), (second, second_unit)) = (with_unit(first), with_unit(second));
     let is_number = |text: &str| decimal::scaled(text, 0).is_some();
     if !is_number(first) || !is_number(second) {
@@ -151,6 +194,23 @@ mod tests {
     fn wrong_units_and_numbers_are_named() {
         for (text, named) in [("8kg", "has the unit kg"), ("8MM", "has the unit MM"), ("120mT", "has the unit mT")] {
             assert!(length_mm(text).expect_err(text).starts_with(named), "{text}");
+        }
+        for (text, meant) in [
+            ("3-5", "write 3..5"),
+            ("-5--3", "write -5..-3"),
+            ("3mm-5mm", "write 3mm..5mm"),
+            ("3 to 5", "write 3..5"),
+            ("3:5", "write 3..5"),
+            ("3", "is one length, must be two lengths with .. between them, such as 3..5"),
+        ] {
+            let told = interval_mm(text).expect_err(text);
+            assert!(told.contains(meant), "{text}: {told}");
+        }
+        for (text, meant) in
+            [("20", "is one length, "), ("20", "write 20x20"), ("2cm", "write 2cmx2cm"), ("20*10", "write 20x10")]
+        {
+            let told = extents_mm(text).expect_err(text);
+            assert!(told.contains(meant), "{text}: {told}");
         }
         for text in ["", "mm", "eight", "nan", "inf", "8,5", "1e999", "8mm2", "..", "é"] {
             assert!(length_mm(text).is_err() && extents_mm(text).is_err() && interval_mm(text).is_err(), "{text}");

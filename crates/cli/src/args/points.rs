@@ -13,7 +13,7 @@ pub(crate) struct PointsArgs {
     /// number may have a decimal comma. Lines that begin with #, % or ; are comments; the column
     /// names may be in a comment, as numpy.savetxt writes them. Lines before the names are skipped,
     /// and other columns are ignored.
-    #[arg(id = "points", long = "points", value_name = "CSV")]
+    #[arg(id = "points", long = "points", value_name = "TABLE")]
     pub(crate) file: Option<PathBuf>,
     /// Unit of columns named x, y, z without a unit, such as mm or in; the line of column names is
     /// still required

@@ -19,7 +19,9 @@ pub(crate) fn noise(text: &str) -> Result<Noise, String> {
     for (axis, text) in axes.into_iter().enumerate() {
         let value = flux_density_t(text)?;
         if !(value > 0.0 && value <= MAX_NOISE_T) {
-            return Err(format!("{text}: must be above 0 and at most {MAX_NOISE_T} T"));
+            // A number without a unit was probably meant in microtesla, as in layouts.
+            let meant = if value > 0.0 && text.trim().parse::<f64>().is_ok() { text.trim() } else { "5" };
+            return Err(format!("{value} T, must be above 0 and at most {MAX_NOISE_T} T, such as {meant}uT"));
         }
         deviation_t[axis] = value;
     }

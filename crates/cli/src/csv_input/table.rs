@@ -76,6 +76,9 @@ impl CsvTable {
         example: &str,
         may_be_cut: bool,
     ) -> Result<CsvTable, String> {
+        if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml")) {
+            return Err(format!("is a layout (TOML), must be a table (CSV) that begins with a line such as {example}"));
+        }
         let source: Box<dyn Read> = if is_stdin(path) {
             Box::new(io::stdin())
         } else {

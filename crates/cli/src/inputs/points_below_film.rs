@@ -10,6 +10,7 @@ use crate::failure::Failure;
 use crate::faults::FaultList;
 use crate::inputs::points;
 use crate::session::Session;
+use crate::text::number::point;
 use crate::words::no_field;
 
 /// The points of a file, which stay below the film.
@@ -34,7 +35,7 @@ impl<'a> GivenPoints<'a> {
         let half = 0.5 * ideal.wavelength();
         let mut faults = FaultList::default();
         for (p, line) in points.iter().zip(&lines) {
-            let at = || format!("line {line}: ({}, {}, {}) mm", p.x, p.y, p.z);
+            let at = || format!("line {line}: {} mm", point(*p));
             if ideal.flux_density_t(*p).is_none() {
                 faults.add(*line, format!("{} is not below the film, and Eq. 2 holds only for z < 0", at()));
             } else if within_half_wave && p.x.abs().max(p.y.abs()) >= half {

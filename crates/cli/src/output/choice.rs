@@ -36,7 +36,7 @@ pub(crate) fn choose<F: FileFormat>(asked: Option<F>, output: Option<&Path>, def
     let refused = |why: String| Err(Failure::Refused(format!("{}: {why}", path())));
     let format = match (asked, meant, &ending) {
         (Some(asked), Some(meant), _) if asked != meant => {
-            let (option, asked, meant) = (F::OPTION, asked.name(), meant.name());
+            let (option, asked, meant) = (F::OPTION.unwrap_or_default(), asked.name(), meant.name());
             return refused(format!(
                 "the ending means {meant}, which contradicts {option} {asked}: change one of them"
             ));
@@ -58,12 +58,23 @@ pub(crate) fn choose<F: FileFormat>(asked: Option<F>, output: Option<&Path>, def
             ));
         }
         (None, None, Some(ending)) => {
-            let (endings, option) = (endings(formats), F::OPTION);
-            return refused(format!("no format has the ending .{ending}: use one of {endings}, or give {option}"));
+            let endings = endings(formats);
+            let other = F::OPTION.map_or_else(
+                || {
+                    let example = output.unwrap_or(Path::new("-")).with_extension(formats[0].file().endings[0]);
+                    format!(", such as {}", example.display())
+                },
+                |option| format!(", or give {option}"),
+            );
+            return refused(format!("no format has the ending .{ending}: use one of {endings}{other}"));
         }
         (None, None, None) => match default {
             Some(format) => format,
-            None => return refused(format!("without an ending it has no format: give {}", F::OPTION)),
+            None => {
+                let needed = F::OPTION
+                    .map_or_else(|| format!("use one of {}", endings(formats)), |option| format!("give {option}"));
+                return refused(format!("without an ending it has no format: {needed}"));
+            }
         },
         (Some(format), _, _) | (None, Some(format), _) => format,
     };

@@ -20,7 +20,7 @@ pub(crate) enum FigureFormat {
 }
 
 impl FileFormat for FigureFormat {
-    const OPTION: &'static str = "--figure";
+    const OPTION: Option<&'static str> = None;
 
     fn file(self) -> FileKind {
         match self {

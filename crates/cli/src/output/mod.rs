@@ -14,5 +14,8 @@ pub(crate) mod figure_file;
 pub(crate) mod folder;
 /// Results as JSON.
 pub(crate) mod json;
+/// A file for a page to print.
+#[cfg(feature = "report")]
+pub(crate) mod page_file;
 /// Writing tables.
 pub(crate) mod table;

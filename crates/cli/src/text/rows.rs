@@ -5,7 +5,7 @@ use std::iter;
 
 use magsplice::prelude::DVec3;
 
-use super::number::number;
+use super::number::{components, number};
 
 /// A column of a table.
 #[derive(Clone, Copy)]
@@ -105,11 +105,9 @@ pub(crate) fn cell(text: &mut String, label: &str, value: &str) {
     let _ = writeln!(text, "{label:<38}{value:>13}");
 }
 
-/// Appends a label and the components of a vector. A component below 1e-12 of the largest is
-/// round-off, and is printed as 0.
+/// Appends a label and the components of a vector, without round-off.
 pub(crate) fn vector(text: &mut String, label: &str, v: DVec3) {
-    let noise = 1e-12 * v.abs().max_element();
-    cells(text, label, v.to_array().map(|c| number(if c.abs() <= noise { 0.0 } else { c })));
+    cells(text, label, components(v).map(number));
 }
 
 /// Width of the lines of [`prose`], which is that of [`cells`].

@@ -33,7 +33,7 @@ pub(crate) struct BenchArgs {
     #[command(flatten)]
     points: PointsArgs,
     /// Time to spend, in seconds; at least three rounds are measured however long they take
-    #[arg(long, value_name = "S", value_parser = seconds, default_value = "5")]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, default_value = "5")]
     seconds: f64,
     /// Format of the result
     #[arg(long, value_enum, default_value = "text")]

@@ -13,6 +13,7 @@ use magsplice_report::budget_figure;
 
 use super::tolerance::require_errors;
 use crate::args::formats::ResultArgs;
+use crate::args::numbers::{seed, whole};
 use crate::args::preset::PresetArgs;
 use crate::failure::Failure;
 use crate::remarks;
@@ -39,14 +40,14 @@ pub(crate) struct BudgetArgs {
     #[command(flatten)]
     preset: PresetArgs,
     /// Number of samples that check the shares, or from which they are computed
-    #[arg(long, value_name = "N", default_value = "200", value_parser = clap::value_parser!(u64).range(20..=1_000_000))]
+    #[arg(long, value_name = "N", default_value = "200", value_parser = |text: &str| whole(text, 20..=1_000_000_u64))]
     samples: u64,
     /// Seed of the random numbers [default: the value of [tolerance], else 1]
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "SEED", value_parser = seed)]
     seed: Option<u64>,
     /// File for a bar chart of the budget: .svg or .png
     #[cfg(feature = "report")]
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FIGURE")]
     figure: Option<PathBuf>,
     #[command(flatten)]
     result: ResultArgs,

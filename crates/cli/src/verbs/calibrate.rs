@@ -13,12 +13,13 @@ use magsplice::sensor::Stiffness;
 use super::read::{located, unlocated};
 use crate::args::formats::ResultArgs;
 use crate::args::given_units::{GivenUnits, given_units};
+use crate::args::numbers::whole;
 use crate::failure::Failure;
 use crate::faults::FaultList;
 use crate::inputs::readings::{self, Readings};
 use crate::remarks;
 use crate::session::Session;
-use crate::text::number::{counted, number};
+use crate::text::number::{counted, number, number_beside};
 use crate::text::{header, rows};
 
 /// Fit the stiffness of the elastic layer: forces against displacements.
@@ -29,25 +30,26 @@ use crate::text::{header, rows};
 /// fitted by least squares (Dai 2024, Eqs. 16 and 17): six coefficients for each method, with
 /// intervals of 95 % confidence.
 #[derive(clap::Args)]
-#[command(after_help = "Example:\n  magsplice calibrate forces.csv --layout film.toml --zero 20")]
+#[command(after_help = "Example:\n  magsplice calibrate film.toml forces.csv --zero 20")]
 pub(crate) struct CalibrateArgs {
-    /// CSV file with columns fx_n, fy_n, fz_n (one at least) and bx_mt, by_mt, bz_mt, or in other
-    /// units, such as Fx (mN) and Bx (uT); - is standard input
-    readings: PathBuf,
     /// Layout file of the film
-    #[arg(long, value_name = "LAYOUT")]
     layout: PathBuf,
+    /// Table (CSV) with columns fx_n, fy_n, fz_n (one at least) and bx_mt, by_mt, bz_mt, or in
+    /// other units, such as Fx (mN) and Bx (uT); - is standard input
+    #[arg(value_name = "TABLE")]
+    readings: PathBuf,
     /// Units of columns without a unit in their names, such as N,mT; the line of column names is
     /// still required
     #[arg(long, value_name = "UNITS", value_parser = given_units)]
     unit: Option<GivenUnits>,
     /// The first N readings are of the film at rest: their mean, less the field of the film at the
     /// reference point, is subtracted from all
-    #[arg(long, value_name = "N", default_value = "0")]
+    #[arg(long, value_name = "N", default_value = "0", value_parser = |text: &str| whole(text, 0..=usize::MAX))]
     zero: usize,
     /// The first N readings are of the film at rest: displacements count from the position of their
     /// mean, not from the reference point
-    #[arg(long, value_name = "N", default_value = "0", conflicts_with = "zero")]
+    #[arg(long, value_name = "N", default_value = "0", conflicts_with = "zero",
+        value_parser = |text: &str| whole(text, 0..=usize::MAX))]
     rest: usize,
     #[command(flatten)]
     result: ResultArgs,
@@ -120,16 +122,17 @@ fn text(film: &Film, args: &CalibrateArgs, found: &FilmCalibration) -> String {
 
 fn axes(text: &mut String, axes: &PerAxis<Option<Stiffness>>, hooke_n_per_mm: Option<DVec3>) {
     let axes = [axes.x, axes.y, axes.z];
-    let row = |text: &mut String, name: &str, of: &dyn Fn(usize, &Stiffness) -> f64| {
-        let cell = |axis: usize| axes[axis].as_ref().map_or("none".to_owned(), |line| number(of(axis, line)));
+    let row = |text: &mut String, name: &str, of: &dyn Fn(usize, &Stiffness) -> String| {
+        let cell = |axis: usize| axes[axis].as_ref().map_or("none".to_owned(), |line| of(axis, line));
         rows::cells(text, name, [0, 1, 2].map(cell));
     };
-    row(text, "  stiffness, N/mm", &|_, line| line.stiffness);
-    row(text, "    +-", &|_, line| line.stiffness_95);
+    row(text, "  stiffness, N/mm", &|_, line| number(line.stiffness));
+    row(text, "    +-", &|_, line| number(line.stiffness_95));
     if let Some(hooke) = hooke_n_per_mm {
-        row(text, "    over Hooke's law of [elastomer]", &|axis, line| line.stiffness / hooke[axis]);
+        row(text, "    over Hooke's law of [elastomer]", &|axis, line| number(line.stiffness / hooke[axis]));
     }
-    row(text, "  force at rest, N", &|_, line| line.force_at_rest);
-    row(text, "    +-", &|_, line| line.force_at_rest_95);
-    row(text, "  residual, N", &|_, line| line.residual);
+    // Exact data leave round-off of the force that moves the film by 1 mm.
+    row(text, "  force at rest, N", &|_, line| number_beside(line.force_at_rest, line.stiffness));
+    row(text, "    +-", &|_, line| number_beside(line.force_at_rest_95, line.stiffness));
+    row(text, "  residual, N", &|_, line| number_beside(line.residual, line.stiffness));
 }

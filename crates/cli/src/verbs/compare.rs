@@ -12,11 +12,13 @@ use crate::failure::Failure;
 use crate::inputs::points_below_film::GivenPoints;
 use crate::remarks;
 use crate::session::Session;
-use crate::text::number::number;
+use crate::text::number::{number, point};
 use crate::text::units::in_mt;
 use crate::text::{header, rows};
 
-/// Compare the field with the ideal film (Eq. 2) over the working volume, or at given points.
+/// Compare the field with the ideal film (Eq. 2).
+///
+/// The points are the grid of the working volume, or the points of a table.
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  magsplice compare layouts/published-film.toml")]
 pub(crate) struct CompareArgs {
@@ -66,7 +68,7 @@ pub(super) fn comparison(c: &Comparison) -> String {
     let scaled = c.scaled_relative_rmse.map_or("none".to_owned(), number);
     rows::cell(&mut text, "  relative RMSE after scaling", &scaled);
     let (worst_mt, w) = (in_mt(c.worst_t), c.worst_at);
-    let worst = format!("{worst_mt:>13.6}  at ({}, {}, {}) mm", w.x, w.y, w.z);
+    let worst = format!("{worst_mt:>13.6}  at {} mm", point(w));
     rows::cell(&mut text, "  largest difference, mT", &worst);
     text
 }

@@ -18,11 +18,11 @@ use crate::output::destination::Output;
 use crate::output::{choice, table};
 use crate::remarks;
 use crate::session::Session;
-use crate::text::number::uniformity_number;
+use crate::text::number::{point, uniformity_number};
 use crate::text::units::in_mt;
 use crate::text::{header, recoil, rows};
 
-/// Evaluate the film: its field, its difference from the ideal film, and its decoupling errors.
+/// Evaluate the film: field, difference from the ideal film, decoupling errors.
 ///
 /// Text is a report. JSON is the report with every point of the working volume. The other formats
 /// hold B, R_x, R_y and S_z at every point. With --points they also hold the errors of the
@@ -142,7 +142,7 @@ pub(super) fn field(film: &Film, reference_field_t: DVec3, field_t: &[DVec3], ov
     let r = film.volume().map_or(DVec3::NAN, |volume| volume.reference_mm);
     let mut text = String::new();
     rows::heading(&mut text, "field, mT", ["B_x", "B_y", "B_z"]);
-    let at_reference = format!("  at the reference ({}, {}, {}) mm", r.x, r.y, r.z);
+    let at_reference = format!("  at the reference {} mm", point(r));
     rows::vector(&mut text, &at_reference, in_mt(reference_field_t));
     if let Some(b_t) = film.ideal().ok().and_then(|ideal| ideal.flux_density_t(r)) {
         rows::vector(&mut text, "  ideal film (Eq. 2) there", in_mt(b_t));
@@ -174,7 +174,7 @@ fn errors_at_points(found: &FilmPointDecoupling) -> String {
     rows::vector(&mut text, "    as displacement x, y, z, mm", found.decoupling.displacement_rmse_mm.into());
     if let (Some(at), Some(worst_mm)) = (found.worst_displacement_at_mm, found.worst_displacement_error_mm) {
         rows::vector(&mut text, "  largest displacement error, mm", worst_mm.into());
-        let _ = writeln!(text, "    at ({}, {}, {}) mm", at.x, at.y, at.z);
+        let _ = writeln!(text, "    at {} mm", point(at));
     }
     text += &changes_from(found.reference_mm);
     text += &singular_points(&found.decoupling.singular);
@@ -182,15 +182,14 @@ fn errors_at_points(found: &FilmPointDecoupling) -> String {
 }
 
 fn changes_from(r: DVec3) -> String {
-    format!("  changes are from the reference ({}, {}, {}) mm\n", r.x, r.y, r.z)
+    format!("  changes are from the reference {} mm\n", point(r))
 }
 
 fn singular_points(points: &[DVec3]) -> String {
     if points.is_empty() {
         return "  singular points (B_z = 0): none\n".to_owned();
     }
-    let named: Vec<String> =
-        points.iter().take(PRINTED_FAULTS).map(|p| format!("({}, {}, {})", p.x, p.y, p.z)).collect();
+    let named: Vec<String> = points.iter().take(PRINTED_FAULTS).map(|p| point(*p)).collect();
     let rest = if points.len() > PRINTED_FAULTS { " and more" } else { "" };
     format!("  singular points (B_z = 0), excluded: {}, at {}{rest} mm\n", points.len(), named.join(" "))
 }
@@ -204,7 +203,7 @@ fn each_point(found: &FilmPointDecoupling) -> String {
     rows::heading(&mut text, "at each point", ["R_x, rad", "R_y, rad", "S_z"]);
     let parameters = found.decoupling.parameters.iter().zip(&found.displacement_errors_mm);
     for (p, at) in found.points_mm.iter().zip(parameters) {
-        let label = format!("  ({}, {}, {}) mm", p.x, p.y, p.z);
+        let label = format!("  {} mm", point(*p));
         let (Some(at), Some(error_mm)) = at else {
             rows::cell(&mut text, &label, "singular");
             continue;

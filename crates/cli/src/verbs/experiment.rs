@@ -11,7 +11,7 @@ use magsplice::sensor::ExperimentStep;
 use magsplice_report::{SvgText, experiment_figure};
 
 use crate::args::formats::TableFormat;
-use crate::args::numbers::{angle_rad, length_mm, vector};
+use crate::args::numbers::{angle_rad, length_mm, seed, vector};
 use crate::failure::Failure;
 use crate::inputs::points;
 use crate::output::{choice, table};
@@ -44,7 +44,7 @@ pub(crate) struct ExperimentArgs {
     #[arg(long, value_name = "LENGTHS", default_value = "0.5mm,0.5mm,1mm", value_parser = steps_mm)]
     step: DVec3,
     /// Add the noise of [sensor] to the readings, with this seed
-    #[arg(long, value_name = "SEED")]
+    #[arg(long, value_name = "SEED", value_parser = seed)]
     seed: Option<u64>,
     /// Shift of the film from its place in the layout, along x, y and z, such as 0.1mm,0,0
     #[arg(long, value_name = "LENGTHS", value_parser = lengths_mm, allow_hyphen_values = true)]
@@ -61,14 +61,14 @@ pub(crate) struct ExperimentArgs {
     bend_along: BendAxis,
     /// CSV file with the heights of the film over its flat shape: columns x_mm, y_mm, z_mm, on a
     /// full grid
-    #[arg(long, value_name = "FILE", conflicts_with = "bend_radius")]
+    #[arg(long, value_name = "TABLE", conflicts_with = "bend_radius")]
     heights: Option<PathBuf>,
     /// Draw the curves of Dai 2024, Fig. 9, into this file, .svg or .png
     #[cfg(feature = "report")]
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FIGURE")]
     figure: Option<PathBuf>,
     /// File to write, complete or not at all [default: -, standard output]
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long, value_name = "TABLE")]
     output: Option<PathBuf>,
     /// Format of the result [default: by the file's ending, else csv]
     #[arg(long, value_enum)]

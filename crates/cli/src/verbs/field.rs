@@ -24,9 +24,10 @@ use crate::output::{choice, table};
 use crate::progress::ProgressLine;
 use crate::remarks;
 use crate::session::Session;
+use crate::text::number::point;
 use crate::words::no_field;
 
-/// Compute the field at points and write it as CSV or another table format.
+/// Compute the field at points, as a table.
 ///
 /// The points are the grid of the layout's working volume, the points of a CSV file, or the points
 /// of --at. Results keep the order of the points. Numbers are written with enough digits to read
@@ -42,7 +43,7 @@ pub(crate) struct FieldArgs {
     #[arg(long, value_name = "X,Y,Z", value_parser = point_mm, allow_hyphen_values = true, conflicts_with = "points")]
     at: Vec<DVec3>,
     /// File to write, complete or not at all [default: -, standard output]
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long, value_name = "TABLE")]
     output: Option<PathBuf>,
     /// Format of the result [default: by the file's ending, else csv]
     #[arg(long, value_enum)]
@@ -122,7 +123,7 @@ fn at_points(args: &FieldArgs, session: &Session, film: &Film, path: &Path) -> R
         let (values, evaluated) = writer.quantity.values(film.scene(), &points);
         writer.add(&points, values, evaluated, |error, cause| {
             let (line, p) = (lines[error.index], error.point);
-            (line, format!("line {line}: ({}, {}, {}) mm: {cause}", p.x, p.y, p.z))
+            (line, format!("line {line}: {} mm: {cause}", point(p)))
         })?;
         done += points.len();
         if writer.format != TableFormat::Csv && done > points::MAX_HELD_POINTS {
@@ -140,7 +141,7 @@ fn on_grid(args: &FieldArgs, session: &Session, film: &Film) -> Result<(), Failu
     let mut writer = FieldWriter::open(args, film, Points::Grid(grid))?;
     let fault = |error: &PointError, cause: &str| {
         let p = error.point;
-        (0, format!("point ({}, {}, {}) mm of the working volume: {cause}", p.x, p.y, p.z))
+        (0, format!("point {} mm of the working volume: {cause}", point(p)))
     };
     if let (Accuracy::Within(_), PointQuantity::Field(quantity)) = (film.scene().accuracy(), writer.quantity) {
         // The methods that a tolerance allows need the whole grid at once.

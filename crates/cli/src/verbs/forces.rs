@@ -13,6 +13,7 @@ use magsplice_export::csv;
 use magsplice_report::forces_figure;
 
 use crate::args::formats::{FileFormat, FileKind};
+use crate::args::numbers::seed;
 use crate::failure::Failure;
 use crate::inputs::placement_order;
 use crate::output::choice;
@@ -44,14 +45,14 @@ pub(crate) struct ForcesArgs {
     #[arg(long, value_name = "ORDER")]
     order: Option<String>,
     /// Seed of the random numbers of --order least
-    #[arg(long, value_name = "S", default_value = "1", requires = "order")]
+    #[arg(long, value_name = "SEED", default_value = "1", value_parser = seed, requires = "order")]
     seed: u64,
     /// Largest relative error of the force between two tiles that are turned against each other
     #[arg(long, value_name = "ERROR", default_value = "1e-9", value_parser = relative_error)]
     turned_error: f64,
     /// File for a figure of the tiles with their forces: .svg or .png
     #[cfg(feature = "report")]
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FIGURE")]
     figure: Option<PathBuf>,
     /// Format of the result [default: by the file's ending, else text]
     #[arg(long, value_enum)]
@@ -96,6 +97,11 @@ pub(crate) fn run(args: &ForcesArgs, quiet: bool) -> Result<(), Failure> {
         None => None,
         Some("given") => Some(OrderChoice::Given),
         Some("least") => Some(OrderChoice::Least { seed: args.seed }),
+        Some(word) if Path::new(word).extension().is_none() && !Path::new(word).exists() => {
+            return Err(Failure::Refused(format!(
+                "--order {word}: must be given, least, or a CSV file with the column tile, such as order.csv"
+            )));
+        }
         Some(path) => {
             let tiles = placement_order::read(Path::new(path), &session.layout)?;
             Some(OrderChoice::Stated { source: path.to_owned(), tiles })

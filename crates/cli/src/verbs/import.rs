@@ -39,10 +39,11 @@ use crate::text::number::counted;
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment, after_help = "Example:\n  magsplice import blocks.csv -o film.toml")]
 pub(crate) struct ImportArgs {
-    /// CSV file of blocks; - is standard input
+    /// Table of blocks (CSV); - is standard input
+    #[arg(value_name = "TABLE")]
     blocks: PathBuf,
     /// Layout file to write, complete or not at all [default: -, standard output]
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long, value_name = "LAYOUT")]
     output: Option<PathBuf>,
     /// Order of Euler angles: xyz about the fixed axes (extrinsic), XYZ about the axes of the
     /// turned block (intrinsic), as in scipy
@@ -62,7 +63,7 @@ pub(crate) struct ImportArgs {
     ///
     /// Positions and sizes with few decimals overlap by their rounding where the blocks touch. The
     /// message about such blocks gives the depth. The layout keeps it as overlap_mm.
-    #[arg(long, value_name = "MM", value_parser = length_mm, allow_hyphen_values = true)]
+    #[arg(long, value_name = "LENGTH", value_parser = length_mm, allow_hyphen_values = true)]
     overlap: Option<f64>,
     /// Name of the layout [default: the name of the file]
     #[arg(long, value_name = "NAME")]

@@ -11,8 +11,8 @@ use crate::output::destination;
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  magsplice init my-film.toml")]
 pub(crate) struct InitArgs {
-    /// File to write; - is standard output
-    #[arg(default_value = "film.toml")]
+    /// Layout file to write; - is standard output
+    #[arg(default_value = "film.toml", value_name = "LAYOUT")]
     file: PathBuf,
 }
 

@@ -56,36 +56,51 @@ use clap::{Command, Subcommand};
 
 use crate::failure::Failure;
 
-/// The commands, in the order of the help.
+/// The commands by task, as the help lists them: the ones of every day first.
+pub(crate) const GROUPS: [(&str, &[&str]); 6] = [
+    ("Layouts", &["init", "check", "import", "export", "schema"]),
+    ("Evaluate a film", &EVALUATION),
+    ("Design a film", &["splice", "design"]),
+    ("Make a film", &["tiles", "tolerance", "budget", "forces", "assign", "diagnose"]),
+    ("Use a sensor", &["read", "resolution", "experiment", "calibrate", "scan"]),
+    ("Speed and help", &["plan", "bench", "completions", "help"]),
+];
+
+#[cfg(feature = "report")]
+const EVALUATION: [&str; 4] = ["decouple", "report", "compare", "field"];
+#[cfg(not(feature = "report"))]
+const EVALUATION: [&str; 3] = ["decouple", "compare", "field"];
+
+/// The commands.
 #[derive(Subcommand)]
 pub(crate) enum Verb {
-    Field(field::FieldArgs),
-    Compare(compare::CompareArgs),
+    Init(init::InitArgs),
+    Check(check::CheckArgs),
     Decouple(decouple::DecoupleArgs),
-    Plan(plan::PlanArgs),
-    Bench(bench::BenchArgs),
     #[cfg(feature = "report")]
     Report(report::ReportArgs),
+    Compare(compare::CompareArgs),
+    Field(field::FieldArgs),
+    Splice(splice::SpliceArgs),
+    Design(design::DesignArgs),
+    Tiles(tiles::TilesArgs),
     Tolerance(tolerance::ToleranceArgs),
     Budget(budget::BudgetArgs),
     Forces(forces::ForcesArgs),
+    Assign(assign::AssignArgs),
+    Diagnose(diagnose::DiagnoseArgs),
     Read(read::ReadArgs),
     Resolution(resolution::ResolutionArgs),
     Experiment(experiment::ExperimentArgs),
     Calibrate(calibrate::CalibrateArgs),
     Scan(scan::ScanArgs),
-    Diagnose(diagnose::DiagnoseArgs),
-    Check(check::CheckArgs),
-    Design(design::DesignArgs),
-    Splice(splice::SpliceArgs),
-    Assign(assign::AssignArgs),
-    Tiles(tiles::TilesArgs),
-    Export(export::ExportArgs),
     Import(import::ImportArgs),
-    Init(init::InitArgs),
+    Export(export::ExportArgs),
     /// Print the JSON Schema of layout files, for editors.
     #[command(after_help = "Example:\n  magsplice schema > layout.schema.json")]
     Schema,
+    Plan(plan::PlanArgs),
+    Bench(bench::BenchArgs),
     Completions(completions::CompletionsArgs),
 }
 

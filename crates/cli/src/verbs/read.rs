@@ -9,6 +9,7 @@ use magsplice::{Film, FilmError};
 
 use crate::args::formats::TableFormat;
 use crate::args::given_units::{GivenUnits, given_units};
+use crate::args::numbers::whole;
 use crate::args::readings::noise;
 use crate::failure::Failure;
 use crate::faults::FaultList;
@@ -34,13 +35,13 @@ use crate::session::{OF_SENSORS, Session};
 /// and rotation, and --noise defaults to its noise. With [elastomer], the result has the force on
 /// the film.
 #[derive(clap::Args)]
-#[command(after_help = "Example:\n  magsplice read readings.csv --layout film.toml --noise 5uT -o moved.csv")]
+#[command(after_help = "Example:\n  magsplice read film.toml readings.csv --noise 5uT -o moved.csv")]
 pub(crate) struct ReadArgs {
-    /// CSV file with columns bx_t, by_t, bz_t, or bx (mT), ...; - is standard input
-    readings: PathBuf,
     /// Layout file of the film
-    #[arg(long, value_name = "LAYOUT")]
     layout: PathBuf,
+    /// Table (CSV) with columns bx_t, by_t, bz_t, or bx (mT), ...; - is standard input
+    #[arg(value_name = "TABLE")]
+    readings: PathBuf,
     /// Standard deviation of a reading, such as 5uT, or of its x, y and z: 5uT,5uT,8uT [default:
     /// the noise of [sensor] in the layout]
     #[arg(long, value_name = "NOISE", value_parser = noise)]
@@ -49,20 +50,21 @@ pub(crate) struct ReadArgs {
     /// field of the film there, is subtracted from all
     ///
     /// A constant stray field and the offset of the sensor then have no effect.
-    #[arg(long, value_name = "N", default_value = "0")]
+    #[arg(long, value_name = "N", default_value = "0", value_parser = |text: &str| whole(text, 0..=usize::MAX))]
     zero: usize,
     /// The first N readings are of the sensor at rest: displacements count from the position of
     /// their mean, not from the reference point
     ///
     /// The film may then lie elsewhere than in the layout. A constant field moves all positions.
-    #[arg(long, value_name = "N", default_value = "0", conflicts_with = "zero")]
+    #[arg(long, value_name = "N", default_value = "0", conflicts_with = "zero",
+        value_parser = |text: &str| whole(text, 0..=usize::MAX))]
     rest: usize,
     /// Unit of columns named bx, by, bz without a unit, such as uT, G or counts of [sensor]; the
     /// line of column names is still required
     #[arg(long, value_name = "UNIT", value_parser = given_units)]
     unit: Option<GivenUnits>,
     /// File to write, complete or not at all [default: -, standard output]
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long, value_name = "TABLE")]
     output: Option<PathBuf>,
     /// Format of the result [default: by the file's ending, else csv]
     #[arg(long, value_enum)]

@@ -14,12 +14,12 @@ use crate::failure::Failure;
 use crate::output::{choice, table};
 use crate::remarks;
 use crate::session::{OF_SENSORS, Session};
-use crate::text::number::number;
+use crate::text::number::{number, point};
 use crate::text::units::in_ut;
 use crate::text::{header, rows};
 use crate::words::range_of_setting;
 
-/// Compute the displacement resolution of a sensor with noise, over the working volume.
+/// Compute the displacement resolution of a sensor with noise.
 ///
 /// The noise of the readings is normal. It causes standard deviations of the displacement along x,
 /// y and z: by the exact field (the bound of Cramér and Rao; no unbiased estimate from one reading
@@ -37,7 +37,7 @@ pub(crate) struct ResolutionArgs {
     #[arg(long, value_name = "NOISE", value_parser = noise)]
     noise: Option<Noise>,
     /// File for a table of all points, complete or not at all
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long, value_name = "TABLE")]
     output: Option<PathBuf>,
     /// Format of the table [default: by the file's ending]
     #[arg(long, value_enum, requires = "output")]
@@ -103,12 +103,12 @@ fn micro(value: f64) -> String {
 
 fn summary(text: &mut String, title: &str, summary: Option<ResolutionSummary>) {
     let _ = writeln!(text, "{title}");
-    let Some(ResolutionSummary { rms_mm, least_mm, largest_mm, worst_at_mm: DVec3 { x, y, z } }) = summary else {
+    let Some(ResolutionSummary { rms_mm, least_mm, largest_mm, worst_at_mm }) = summary else {
         let _ = writeln!(text, "  no displacement is resolved");
         return;
     };
     for (name, value) in [("RMS over the volume", rms_mm), ("least", least_mm), ("largest", largest_mm)] {
         rows::cells(text, &format!("  {name}"), value.to_array().map(number));
     }
-    let _ = writeln!(text, "  largest in all axes together at ({x}, {y}, {z}) mm");
+    let _ = writeln!(text, "  largest in all axes together at {} mm", point(worst_at_mm));
 }

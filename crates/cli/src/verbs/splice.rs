@@ -9,7 +9,7 @@ use magsplice::layout::{self, Brief, FilmTolerance, Goal, StatedSensor};
 
 use super::design::search::{self, Origin};
 use crate::args::formats::TextOrJson;
-use crate::args::numbers::{extents_mm, flux_density_t, interval_mm, length_mm, positive};
+use crate::args::numbers::{extents_mm, flux_density_t, interval_mm, length_mm, positive, seed, whole};
 use crate::args::preset::Preset;
 use crate::failure::Failure;
 use crate::output::destination::Output;
@@ -34,19 +34,19 @@ use crate::output::destination::Output;
 #[command(after_help = "Example:\n  magsplice splice --wavelength 10 --film 20x20 --parts 3 -o film.toml")]
 pub(crate) struct SpliceArgs {
     /// Wavelength of the ideal film, in mm
-    #[arg(long, value_name = "MM", value_parser = length_mm, allow_hyphen_values = true)]
+    #[arg(long, value_name = "LENGTH", value_parser = length_mm, allow_hyphen_values = true)]
     wavelength: f64,
     /// Extent of the film along x and y, in mm, such as 20x20
     #[arg(long, value_name = "XxY", value_parser = extents_mm, allow_hyphen_values = true)]
     film: [f64; 2],
     /// Largest number of distinct parts [default: no limit]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", value_parser = |text: &str| whole(text, 1..=u32::MAX))]
     parts: Option<u32>,
     /// Thickness of the film, in mm [default: 0.1 of the wavelength]
-    #[arg(long, value_name = "MM", value_parser = length_mm, allow_hyphen_values = true)]
+    #[arg(long, value_name = "LENGTH", value_parser = length_mm, allow_hyphen_values = true)]
     thickness: Option<f64>,
     /// Polarization of every tile, in T
-    #[arg(long, value_name = "T", value_parser = flux_density_t, allow_hyphen_values = true, default_value_t = 0.12)]
+    #[arg(long, value_name = "POLARIZATION", value_parser = flux_density_t, allow_hyphen_values = true, default_value_t = 0.12)]
     remanence: f64,
     /// Extent of the working volume along x and y, in mm, such as 4x4: the region under the middle
     /// of the film in which the sensor moves [default: 0.4 of the wavelength each]
@@ -58,17 +58,17 @@ pub(crate) struct SpliceArgs {
     distance: Option<[f64; 2]>,
     /// Shortest side of a tile, in mm, at most a quarter of the wavelength [default: 0.08 of the
     /// wavelength]
-    #[arg(long, value_name = "MM", value_parser = length_mm, allow_hyphen_values = true)]
+    #[arg(long, value_name = "LENGTH", value_parser = length_mm, allow_hyphen_values = true)]
     smallest_cut: Option<f64>,
     /// Least distance between neighbouring tiles, in mm
-    #[arg(long, value_name = "MM", value_parser = length_mm, allow_hyphen_values = true, default_value_t = 0.0)]
+    #[arg(long, value_name = "LENGTH", value_parser = length_mm, allow_hyphen_values = true, default_value_t = 0.0)]
     gap: f64,
     /// Sides of tiles are rounded to multiples of this, in mm. A tile centred on a mirror plane has
     /// its faces at half multiples
-    #[arg(long, value_name = "MM", value_parser = length_mm, allow_hyphen_values = true, default_value_t = 0.001)]
+    #[arg(long, value_name = "LENGTH", value_parser = length_mm, allow_hyphen_values = true, default_value_t = 0.001)]
     resolution: f64,
     /// Directions of polarization are rounded to multiples of this, in degrees
-    #[arg(long, value_name = "DEG", default_value_t = 0.01, allow_negative_numbers = true)]
+    #[arg(long, value_name = "DEG", value_parser = degrees, default_value = "0.01", allow_negative_numbers = true)]
     resolution_deg: f64,
     /// Least amplitude of the field, as a fraction of the field of an ideal film with the
     /// polarization of the tiles
@@ -86,13 +86,13 @@ pub(crate) struct SpliceArgs {
     #[arg(long, value_enum, default_value = "displacement")]
     goal: GoalArg,
     /// Number of points from which the search starts
-    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    #[arg(long, value_name = "N", default_value = "8", value_parser = |text: &str| whole(text, 1..=10_000_u32))]
     starts: u32,
     /// Seed of the random numbers that vary the starting points
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "SEED", default_value = "1", value_parser = seed)]
     seed: u64,
-    /// File to write, complete or not at all [default: -, standard output]
-    #[arg(short, long, value_name = "FILE")]
+    /// Layout file to write, complete or not at all [default: -, standard output]
+    #[arg(short, long, value_name = "LAYOUT")]
     output: Option<PathBuf>,
     /// Format of the summary
     #[arg(long, value_enum, default_value = "text")]
@@ -181,6 +181,10 @@ fn sensor_part() -> impl TypedValueParser<Value = StatedSensor> {
 fn part(name: &str) -> StatedSensor {
     let known = StatedSensor::part_names().into_iter().find(|known| known.eq_ignore_ascii_case(name));
     known.as_deref().and_then(StatedSensor::of_part).expect("clap accepts known names only")
+}
+
+fn degrees(text: &str) -> Result<f64, String> {
+    text.trim().parse().map_err(|_| "must be a number of degrees, such as 0.01".to_owned())
 }
 
 /// The distances of an interval of distances or, where both are negative, of z.

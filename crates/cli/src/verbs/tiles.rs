@@ -9,14 +9,16 @@ use magsplice::layout::{NamedTile, Rotation};
 use magsplice::prelude::{DVec3, Tile};
 use magsplice::results::{BillOfMaterials, MAX_KERF_MM, PartItem, twelve_digits};
 #[cfg(feature = "report")]
-use magsplice_report::{SvgText, bill_page, layout_figure};
+use magsplice_report::{SvgText, bill_page, parts_figure};
 
 use crate::args::formats::TilesFormat;
+use crate::args::numbers::length_mm;
 use crate::failure::Failure;
 use crate::output::json;
 use crate::remarks;
 use crate::session::Session;
 use crate::text::header::tile_count;
+use crate::text::number::components;
 use crate::text::rows;
 use crate::text::units::in_deg;
 
@@ -27,7 +29,7 @@ use crate::text::units::in_deg;
 /// towards the second.
 #[derive(clap::Args)]
 #[command(
-    after_help = "Example:\n  magsplice tiles layouts/published-film.toml --kerf-mm 0.2\n  magsplice tiles layouts/published-film.toml --format csv > cut-list.csv"
+    after_help = "Example:\n  magsplice tiles layouts/published-film.toml --kerf 0.2\n  magsplice tiles layouts/published-film.toml --format csv > cut-list.csv"
 )]
 pub(crate) struct TilesArgs {
     /// Layout file
@@ -35,29 +37,30 @@ pub(crate) struct TilesArgs {
     /// Format of the result
     #[arg(long, value_enum, default_value = "text")]
     format: TilesFormat,
-    /// Width of material that each cut removes, in mm; adds the area of sheet and the length of bar
-    /// that the parts need
-    #[arg(long, value_name = "MM", value_parser = kerf, allow_negative_numbers = true)]
+    /// Width of material that each cut removes, such as 0.2mm; adds the area of sheet and the
+    /// length of bar that the parts need
+    #[arg(long = "kerf", alias = "kerf-mm", value_name = "LENGTH", value_parser = kerf, allow_hyphen_values = true)]
     kerf_mm: Option<f64>,
     /// Write the film and its bill of materials as a page to print (HTML)
     #[cfg(feature = "report")]
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "PAGE")]
     page: Option<PathBuf>,
 }
 
 fn kerf(text: &str) -> Result<f64, String> {
-    let number = text.trim().parse().ok().filter(|kerf: &f64| (0.0..=MAX_KERF_MM).contains(kerf));
-    number.ok_or_else(|| format!("must be a number of mm from 0 to {MAX_KERF_MM}"))
+    let kerf_mm = length_mm(text)?;
+    let rule = || format!("must be a length from 0 to {MAX_KERF_MM} mm, such as 0.2mm");
+    (0.0..=MAX_KERF_MM).contains(&kerf_mm).then_some(kerf_mm).ok_or_else(rule)
 }
 
 pub(crate) fn run(args: &TilesArgs, quiet: bool) -> Result<(), Failure> {
     let session = Session::open(&args.layout, remarks::OF_TILES, quiet)?;
     #[cfg(feature = "report")]
-    let page = args.page.as_deref().map(|page| session.output(Some(page), None)).transpose()?;
+    let page = session.page(args.page.as_deref(), None)?;
     let list = BillOfMaterials::new(&session.layout, args.kerf_mm);
     #[cfg(feature = "report")]
     if let Some(page) = page {
-        let figure = layout_figure(&session.layout, SvgText::Outlines)?;
+        let figure = parts_figure(&list, SvgText::Outlines)?;
         page.complete(&bill_page(&list, &figure))?;
     }
     session.print(&match args.format {
@@ -190,7 +193,7 @@ fn size(v: DVec3) -> String {
 }
 
 fn triple(v: DVec3) -> String {
-    format!("({})", v.to_array().map(short).join(", "))
+    format!("({})", components(v).map(short).join(", "))
 }
 
 /// Six decimals without trailing zeros; very large and very small numbers with six digits.

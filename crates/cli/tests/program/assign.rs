@@ -147,8 +147,10 @@ fn tiles_that_lie_stay() {
     }
     sandbox.write("placed.csv", &lines.join("\n"));
     let after = assigned(&sandbox, &film, &["--placed", "placed.csv"]);
-    for (row, line) in after["plan"].as_array().expect("a plan").iter().zip(&lines[1..]).take(10) {
+    let plan = after["plan"].as_array().expect("a plan");
+    for line in &lines[1..11] {
         let cells: Vec<&str> = line.split(',').collect();
+        let row = plan.iter().find(|row| row["place"] == cells[0]).expect("a row for each place");
         assert_eq!(row["is_placed"], Value::Bool(true));
         assert_eq!((row["place"].as_str(), row["tile"].as_str()), (Some(cells[0]), Some(cells[1])));
         for (axis, cell) in cells[2..5].iter().enumerate() {
@@ -156,15 +158,20 @@ fn tiles_that_lie_stay() {
         }
         assert!((number(&row["mark_deg"]) - cells[7].parse::<f64>().expect("a number")).abs() < 2e-6, "{row} {line}");
     }
-    assert!(after["plan"].as_array().expect("a plan")[10..].iter().all(|row| row["is_placed"] == Value::Bool(false)));
+    assert_eq!(plan.iter().filter(|row| row["is_placed"] == Value::Bool(true)).count(), 10);
+    // They come first in the plan that people follow.
+    let placed: Vec<bool> = sandbox.read("plan.csv").lines().skip(1).map(|line| line.ends_with(",yes")).collect();
+    assert!(placed[..10].iter().all(|is_placed| *is_placed) && placed[10..].iter().all(|is_placed| !is_placed));
     let rms = |found: &Value| number(&found["rms_mm"]);
     assert!((decoupled_rms_mm(&sandbox, "assigned.toml") / rms(&after) - 1.0).abs() < 1e-6);
     assert!(rms(&after) > rms(&before), "{after}");
 
-    let place = before["plan"][30]["place"].as_str().expect("a place").to_owned();
+    let free = |index: &usize| plan[*index]["is_placed"] == Value::Bool(false);
+    let shim = (30..plan.len()).find(free).expect("a place");
+    let place = before["plan"][shim]["place"].as_str().expect("a place").to_owned();
     let shimmed = assigned(&sandbox, &film, &["--placed", "placed.csv", "--shim", &place]);
     assert_eq!(shimmed["shims"][0]["place"], place.as_str());
-    assert_eq!(shimmed["plan"][30]["tile"], "shim");
+    assert_eq!(shimmed["plan"][shim]["tile"], "shim");
     assert!((decoupled_rms_mm(&sandbox, "assigned.toml") / rms(&shimmed) - 1.0).abs() < 1e-6);
     let tiles = sandbox.run(&["tiles", "assigned.toml", "--format", "json"]).stdout;
     let tiles: Value = serde_json::from_str(&tiles).expect("JSON");
@@ -289,7 +296,8 @@ fn picture_and_page_name_every_tile() {
     assert_eq!((said.status, said.stderr.as_str()), (0, ""));
     let bill = sandbox.read("bill.html");
     assert!(bill.contains("<th>sheet, mm2</th><th>or bar, mm</th>") && bill.contains("Bill of materials"), "{bill}");
-    sandbox.run(&["tiles", &film, "--page", &film]).refuses("it is an input, which would be lost");
+    assert!(bill.contains("The numbers in the drawing are the numbers of the parts."), "{bill}");
+    sandbox.run(&["tiles", &film, "--page", &film]).refuses("no format has the ending .toml: use one of .html");
 }
 
 /// Moments, magnetizations and strengths with angles are the same tiles.

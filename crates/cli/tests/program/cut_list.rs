@@ -91,7 +91,7 @@ fn every_tile_has_the_same_part_everywhere() {
 fn kerf_adds_the_material() {
     let sandbox = Sandbox::new();
     let layout = shipped("published-film");
-    let said = sandbox.run(&["tiles", &layout, "--format", "csv", "--kerf-mm", "0.2"]);
+    let said = sandbox.run(&["tiles", &layout, "--format", "csv", "--kerf", "0.2mm"]);
     let numbers = |line: &str| {
         let cells: Vec<&str> = line.split(',').collect();
         [cells[9], cells[10]].map(|cell| cell.parse::<f64>().expect("a number"))
@@ -102,8 +102,10 @@ fn kerf_adds_the_material() {
     let text = sandbox.run(&["tiles", &layout, "--kerf-mm", "0.2"]).stdout;
     assert!(text.contains("material with a kerf of 0.2 mm") && text.contains("84 of 1.7 x 1 mm"), "{text}");
     assert!(text.contains("sheet of 1 mm: 414.4 mm2 in all"), "{text}");
-    sandbox.run(&["tiles", &layout, "--kerf-mm", "-1"]).refuses_arguments("must be a number of mm from 0 to 100");
-    let said = sandbox.run(&["tiles", &layout, "--kerf-mm", "0.2", "--format", "json"]);
+    sandbox
+        .run(&["tiles", &layout, "--kerf", "-1"])
+        .refuses_arguments("must be a length from 0 to 100 mm, such as 0.2mm");
+    let said = sandbox.run(&["tiles", &layout, "--kerf", "0.2", "--format", "json"]);
     let json: serde_json::Value = serde_json::from_str(&said.stdout).expect("JSON");
     let of_json = |key: &str| json["parts"][0][key].as_f64().expect(key);
     assert!(

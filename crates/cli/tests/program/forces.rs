@@ -93,7 +93,8 @@ fn wrong_orders_are_refused() {
     refused("tile\nupper\nlow\n", "order.csv: line 3: the layout has no tile");
     refused("tile\nupper\nupper\nlower\n", "order.csv: line 3: tile upper is already placed at line 2");
     refused("piece\nupper\nlower\n", "order.csv: line 1: no column tile (found: piece)");
-    sandbox.run(&["forces", "film.toml", "--order", "best"]).refuses("best: cannot read");
+    sandbox.run(&["forces", "film.toml", "--order", "best"]).refuses("--order best: must be given, least, or ");
+    sandbox.run(&["forces", "film.toml", "--order", "no.csv"]).refuses("no.csv: cannot read");
     sandbox.run(&["forces", "film.toml", "-o", "film.toml"]).refuses("no format has the ending .toml");
     assert_eq!(sandbox.run(&["forces", "film.toml", "--seed", "2"]).status, 2);
 }

@@ -1,5 +1,6 @@
 //! Tests of the built program.
 
+mod advice;
 mod assign;
 mod at_points;
 mod bad_layouts;

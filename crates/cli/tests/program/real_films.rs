@@ -355,6 +355,8 @@ fn budget_divides_the_error_into_its_causes() {
         let said = sandbox.run(&["budget", "film.toml", "--figure", "budget.svg"]);
         assert_eq!(said.status, 0, "{}", said.stderr);
         assert!(sandbox.read("budget.svg").contains("tile rotations"));
-        sandbox.run(&["budget", "film.toml", "--figure", "b.pdf"]).refuses("b.pdf: no format has the ending .pdf");
+        sandbox
+            .run(&["budget", "film.toml", "--figure", "b.pdf"])
+            .refuses("b.pdf: no format has the ending .pdf: use one of .svg, .png, such as b.svg");
     }
 }

@@ -113,9 +113,12 @@ fn plan_and_check_estimate_what_recoil_changes() {
 
     sandbox.write("expected.toml", &film("[expect]\namplitude = { min = 0.1 }\n"));
     let text = stdout(&sandbox, &["check", "expected.toml"]);
-    assert!(text.contains("mu_r 1.05: amplitude -") && text.contains("mu_r 1.2: amplitude -"), "{text}");
-    let check = json(&sandbox, &["check", "expected.toml", "--format", "json"]);
-    assert_eq!(check["layouts"][0]["recoil_estimates"].as_array().map(Vec::len), Some(2), "{check}");
+    assert!(!text.contains("recoil"), "a film without a permeability: {text}");
+    sandbox.write("stated.toml", &film(&format!("{MATERIAL}[expect]\namplitude = {{ min = 0.1 }}\n")));
+    let text = stdout(&sandbox, &["check", "stated.toml"]);
+    assert!(text.contains("recoil") && text.contains("as stated: amplitude -"), "{text}");
+    let check = json(&sandbox, &["check", "stated.toml", "--format", "json"]);
+    assert_eq!(check["layouts"][0]["recoil_estimates"].as_array().map(Vec::len), Some(1), "{check}");
 }
 
 /// B is that of the cells, also inside the tiles; J inside is weaker than that of the layout.

@@ -132,7 +132,8 @@ fn faulty_files_of_readings_are_refused() {
     with("bx_mt,by_mt,bz_mt\n1,2,3\n", &["--unit", "t"])
         .refuses("--unit T contradicts the columns bx_mt, by_mt, bz_mt of the flux density");
     with("bx_mt,by_mt,bz_mt\n1,x,3\n1,2\n", &[]).refuses("line 2: by_mt = \"x\", must be a finite number");
-    with("bx,by,bz\n0,0,2\n", &["--noise", "0uT"]).refuses_arguments("0uT: must be above 0 and at most 1 T");
+    with("bx,by,bz\n0,0,2\n", &["--noise", "0uT"])
+        .refuses_arguments("0 T, must be above 0 and at most 1 T, such as 5uT");
     with("bx,by,bz\n0,0,2\n", &["-o", "b.vtp"]).refuses("readings have no place in VTK");
     assert_eq!(with("bx,by,bz\n0,0,2\n", &["--unit", "mT"]).status, 0);
     let tile = "[[tile]]\nposition_mm = [0, 0, 1]\nsize_mm = [1, 1, 1]\npolarization_t = [0, 0, 1]\n";

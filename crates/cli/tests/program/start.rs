@@ -150,3 +150,27 @@ fn wrong_arguments_are_refused() {
     assert_eq!(sandbox.run(&["check"]).status, 2);
     assert_eq!(sandbox.run(&["--version"]).stdout, format!("magsplice {}\n", env!("CARGO_PKG_VERSION")));
 }
+
+/// More threads than processors only wait for each other; 100000 of them never ended.
+#[cfg(target_os = "linux")]
+#[test]
+fn threads_are_few_per_processor() {
+    let processors = std::thread::available_parallelism().expect("a number").get();
+    for asked in ["100000", "99999999999999999999"] {
+        let mut program = std::process::Command::new(env!("CARGO_BIN_EXE_magsplice"))
+            .args(["field", &shipped("single-tile"), "--points", "-"])
+            .env("RAYON_NUM_THREADS", asked)
+            .stdin(std::process::Stdio::piped())
+            .stdout(std::process::Stdio::null())
+            .stderr(std::process::Stdio::null())
+            .spawn()
+            .expect("the program starts");
+        // It waits for points until its input ends. By then its threads have started.
+        let tasks = format!("/proc/{}/task", program.id());
+        std::thread::sleep(std::time::Duration::from_millis(500));
+        let threads = std::fs::read_dir(tasks).expect("a process").count();
+        drop(program.stdin.take());
+        program.wait().expect("the program ends");
+        assert!((2..=4 * processors + 4).contains(&threads), "{threads}");
+    }
+}

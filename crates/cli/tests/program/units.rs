@@ -67,7 +67,7 @@ fn wrong_units_are_named() {
     let length = "must be a length in mm, cm, m, um, nm, in, mil; a number without a unit is in mm";
     refused(
         &["--wavelength", "8kg"],
-        &format!("invalid value '8kg' for '--wavelength <MM>': has the unit kg, {length}"),
+        &format!("invalid value '8kg' for '--wavelength <LENGTH>': has the unit kg, {length}"),
     );
     refused(&["--wavelength", "8mT"], &format!("has the unit mT, {length}"));
     refused(&["--wavelength", "8", "--film", "16x16ft"], &format!("has the unit ft, {length}"));

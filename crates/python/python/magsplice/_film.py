@@ -109,7 +109,8 @@ class Film(Assembly):
     The error of a field is at most 2e-14 of the sum, over all tiles, of the magnitudes of the
     fields of the three components of J. All processors are used; the environment variable
     RAYON_NUM_THREADS sets their number, at most four per processor. The interpreter is free for
-    other threads during work, and Ctrl-C interrupts it. A method raises MagspliceError if the layout lacks a required table.
+    other threads during work, and Ctrl-C interrupts it. A method raises MagspliceError if the
+    layout lacks a required table.
 
     "Dai 2024" is Dai et al., Magnetochemistry 2024, 10(1), 6.
 

@@ -15,7 +15,7 @@ use magsplice_report::{SvgText, placement_plan_figure, plan_page};
 
 use crate::args::formats::TextOrJson;
 use crate::args::measurement::MeasurementArgs;
-use crate::args::numbers::whole;
+use crate::args::numbers::{seed, whole};
 use crate::failure::Failure;
 use crate::faults::FaultList;
 use crate::inputs::{measured_tiles, placed_tiles};
@@ -52,11 +52,11 @@ pub(crate) struct AssignArgs {
     /// Layout file
     layout: PathBuf,
     /// CSV file with the measured tiles
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "TABLE")]
     measured: PathBuf,
     /// CSV file of tiles already placed, with the columns of --plan. They stay; the remaining tiles
     /// compensate. Positions are as measured; rows with no in the column placed are ignored
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "TABLE")]
     placed: Option<PathBuf>,
     /// Place of a shim: a tile whose best strength is computed; may be repeated
     #[arg(long, value_name = "PLACE")]
@@ -68,21 +68,21 @@ pub(crate) struct AssignArgs {
     #[arg(long, value_name = "N", default_value = "16", value_parser = |text: &str| whole(text, 1..=MAX_STARTS))]
     starts: usize,
     /// Seed of the random numbers
-    #[arg(long, value_name = "S", default_value = "1")]
+    #[arg(long, value_name = "SEED", default_value = "1", value_parser = seed)]
     seed: u64,
     /// Layout file to write, complete or not at all [default: -, standard output]
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long, value_name = "LAYOUT")]
     output: Option<PathBuf>,
     /// CSV file for the plan
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "TABLE")]
     plan: Option<PathBuf>,
     /// Draw the plan into this file, .svg or .png
     #[cfg(feature = "report")]
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FIGURE")]
     figure: Option<PathBuf>,
     /// Write the plan and the bill of materials as a page to print (HTML)
     #[cfg(feature = "report")]
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "PAGE")]
     page: Option<PathBuf>,
     /// Format of the summary
     #[arg(long, value_enum, default_value = "text")]
@@ -99,7 +99,7 @@ pub(crate) fn run(args: &AssignArgs, quiet: bool) -> Result<(), Failure> {
     #[cfg(feature = "report")]
     let figure = session.figure(args.figure.as_deref(), inputs())?;
     #[cfg(feature = "report")]
-    let page = args.page.as_deref().map(|page| session.output(Some(page), inputs())).transpose()?;
+    let page = session.page(args.page.as_deref(), inputs())?;
 
     let measured = measured_tiles::read(&args.measured, &session.layout, &|remark| session.tell(remark))?;
     let mut groups = measured.groups;

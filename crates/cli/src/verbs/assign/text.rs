@@ -6,10 +6,10 @@ use std::path::Path;
 
 use magsplice::Film;
 use magsplice::making::PlanRow;
-use magsplice::results::{FilmAssignment, twelve_digits};
+use magsplice::results::FilmAssignment;
 
 use crate::inputs::placed_tiles::PLAN_COLUMNS;
-use crate::text::number::{counted, number};
+use crate::text::number::{components, counted, number, point};
 use crate::text::{header, rows};
 
 /// The errors of the film, and the plan. `path` is that of the layout that was written.
@@ -45,7 +45,10 @@ pub(super) fn summary(film: &Film, found: &FilmAssignment, path: Option<&Path>) 
     }
 
     text += "\nplan: the upper side of each tile, and the direction of its mark in the film\n";
-    text += &rows::headed(["place", "tile", "centre, mm", "up", "mark", "placed"], found.plan.iter().map(row));
+    text += &rows::headed(
+        ["place", "tile", "centre, mm", "up", "mark", "placed"],
+        PlanRow::in_placing_order(&found.plan).into_iter().map(row),
+    );
     if let Some(path) = path {
         let path = path.display();
         let _ = writeln!(text, "\nwrote {path}; evaluate it with `magsplice decouple {path}`");
@@ -54,11 +57,10 @@ pub(super) fn summary(film: &Film, found: &FilmAssignment, path: Option<&Path>) 
 }
 
 fn row(row: &PlanRow) -> [String; 6] {
-    let centre = row.centre_mm.to_array().map(|value| twelve_digits(value).to_string());
     [
         row.place.clone(),
         row.tile.clone(),
-        format!("({})", centre.join(", ")),
+        point(row.centre_mm),
         row.up.to_owned(),
         format!("{} at {} deg", row.mark, (row.mark_deg * 10.0).round() / 10.0),
         if row.is_placed { "yes" } else { "" }.to_owned(),
@@ -69,10 +71,13 @@ fn row(row: &PlanRow) -> [String; 6] {
 pub(super) fn plan_csv(rows: &[PlanRow]) -> String {
     let cells = |row: &PlanRow| {
         let mut cells = vec![row.place.clone(), row.tile.clone()];
-        cells.extend(row.centre_mm.to_array().map(|value| twelve_digits(value).to_string()));
+        cells.extend(components(row.centre_mm).map(|value| value.to_string()));
         cells.extend([row.up.to_owned(), row.mark.to_owned(), row.mark_deg.to_string()]);
         cells.push(if row.is_placed { "yes" } else { "no" }.to_owned());
         cells
     };
-    rows::csv(iter::once(PLAN_COLUMNS.map(str::to_owned).to_vec()).chain(rows.iter().map(cells)))
+    rows::csv(
+        iter::once(PLAN_COLUMNS.map(str::to_owned).to_vec())
+            .chain(PlanRow::in_placing_order(rows).into_iter().map(cells)),
+    )
 }

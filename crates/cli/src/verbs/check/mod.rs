@@ -29,6 +29,7 @@ use crate::output::destination::print;
 use crate::output::json;
 use crate::progress::ProgressLine;
 use crate::session::Session;
+use crate::text::number::point;
 
 /// Validate layouts, and check their films against their [expect] tables.
 ///
@@ -148,7 +149,7 @@ fn check(path: &Path, update: bool, quiet: bool, progress: &Arc<ProgressLine>) -
         started = Instant::now();
     });
     // Where a film has no estimate, its figures say so.
-    checked.recoil_estimates = RecoilEstimate::usual(layout).unwrap_or_default();
+    checked.recoil_estimates = RecoilEstimate::of_stated(layout).unwrap_or_default();
     checked.with_expectations(expectations)
 }
 
@@ -226,7 +227,7 @@ fn moved(file: &Path, grid: &Grid, field_t: &[DVec3]) -> String {
         Err(_) => "the earlier baseline had other points".to_owned(),
         Ok(BaselineDifference { relative: 0.0, .. }) => "the field is the same to the last digit".to_owned(),
         Ok(BaselineDifference { relative, at }) => {
-            format!("the field moved by at most {relative:.3e} of |B|, at ({}, {}, {}) mm", at.x, at.y, at.z)
+            format!("the field moved by at most {relative:.3e} of |B|, at {} mm", point(at))
         }
     }
 }

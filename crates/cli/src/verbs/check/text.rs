@@ -5,10 +5,10 @@ use std::fmt::Write;
 use anstyle::{AnsiColor, Style};
 use magsplice::decouple::Figure;
 use magsplice::expect::{Bound, Expectation};
-use magsplice::results::{Check, CheckStatus, CheckedExpectation, CheckedLayout, CheckedPercentile};
+use magsplice::results::{Check, CheckStatus, CheckedExpectation, CheckedLayout, CheckedPercentile, rounded_beside};
 
 use crate::failure::escaped;
-use crate::text::number::{counted, number};
+use crate::text::number::{counted, number, point};
 use crate::text::{recoil, rows};
 
 /// Width of the longest label, `FINDING`.
@@ -78,6 +78,8 @@ pub(super) fn summary(check: &Check) -> String {
 /// An outcome in words, with every digit; empty if there is none.
 pub(super) fn sentence(checked: &CheckedExpectation) -> String {
     let (Some(value), Some(margin)) = (checked.value, checked.margin) else { return String::new() };
+    // The difference of two numbers has the digits of the numbers.
+    let margin = rounded_beside(margin, value);
     format!("{value:?}, {}, margin {margin:?} {}", bound(checked), location(checked)).trim_end().to_owned()
 }
 
@@ -99,7 +101,7 @@ fn bound(checked: &CheckedExpectation) -> String {
 /// negative amplitude means stands in the same place.
 fn location(checked: &CheckedExpectation) -> String {
     if let Some(p) = checked.at_mm {
-        return format!("at ({}, {}, {}) mm", p.x, p.y, p.z);
+        return format!("at {} mm", point(p));
     }
     if let Some(tile) = &checked.tile {
         return format!("tile \"{tile}\"");

@@ -47,7 +47,7 @@ pub(crate) struct DiagnoseArgs {
     layout: PathBuf,
     /// CSV file with columns x_mm, y_mm, z_mm and bx_mt, by_mt, bz_mt, or in other units, such as
     /// bx (uT); - is standard input
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "TABLE")]
     scan: PathBuf,
     /// Units of columns without a unit in their names, such as uT, or mm,uT; the line of column
     /// names is still required
@@ -80,11 +80,11 @@ pub(crate) struct DiagnoseArgs {
     #[arg(long, value_name = "P", default_value = "0.01", value_parser = probability)]
     false_alarm: f64,
     /// Layout file to write, with the tiles found
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long, value_name = "LAYOUT")]
     output: Option<PathBuf>,
     /// File for a figure of the faulty tiles and of the resolution of the scan: .svg or .png
     #[cfg(feature = "report")]
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FIGURE")]
     figure: Option<PathBuf>,
     /// Format of the result
     #[arg(long, value_enum, default_value = "text")]

@@ -13,13 +13,13 @@ use magsplice_report::SvgText;
 use crate::args::accuracy::AccuracyArgs;
 use crate::failure::Failure;
 
-/// Draw the film and its field: figures as SVG, PNG and CSV, and one page with all of them.
+/// Draw the film and its field: figures, and one page with all of them.
 ///
-/// Draws the figures of Dai 2024 for any layout: the tiles from above, field vectors in three
-/// views, B beside the ideal film on planes, and the decoupling parameters through the working
-/// volume and along its axes. The page report.html needs no network and no other file; it has the
-/// numbers, a view of the tiles that turns, and maps that show the value under the pointer. The
-/// folder appears complete or not at all. An earlier report in it is replaced.
+/// Draws the figures of Dai 2024 for any layout, as SVG, PNG and CSV: the tiles from above, field
+/// vectors in three views, B beside the ideal film on planes, and the decoupling parameters through
+/// the working volume and along its axes. The page report.html needs no network and no other file;
+/// it has the numbers, a view of the tiles that turns, and maps that show the value under the
+/// pointer. The folder appears complete or not at all. An earlier report in it is replaced.
 ///
 /// Two layouts give one page with the numbers of both films and their difference, and the figures
 /// side by side on the same scales.
@@ -35,7 +35,7 @@ pub(crate) struct ReportArgs {
     #[arg(required = true, num_args = 1..=2, value_name = "LAYOUT")]
     layouts: Vec<PathBuf>,
     /// Folder to write: new, empty, or with an earlier report, which is replaced
-    #[arg(short, long, value_name = "DIR")]
+    #[arg(short, long, value_name = "FOLDER")]
     output: PathBuf,
     /// Draw again whenever a layout is saved, until Ctrl-C
     #[arg(long)]

@@ -29,8 +29,7 @@ use crate::words::no_field;
 /// What was fitted, and the uniformity of the readings, as text.
 pub(super) mod text;
 
-/// Compare a measured scan of the field with the layout, and fit the unknown parameters of the
-/// scan.
+/// Compare a measured scan of the field with the layout.
 ///
 /// Fits the strength of the tiles, the offset (sensor and uniform stray field together), the
 /// rotation of the sensor, and the start of the scan in the frame of the film, with standard
@@ -38,15 +37,15 @@ pub(super) mod text;
 /// excluded and listed. Missing and repeated positions are listed too. With [ideal], the uniformity
 /// RMSE of the readings is printed beside the uniformity RMSE of the layout at the same points.
 #[derive(clap::Args)]
-#[command(after_help = "Example:\n  magsplice scan scan.csv --layout film.toml\n  \
-    magsplice scan scan.csv --layout film.toml --fit strength,offset --save corrected.csv")]
+#[command(after_help = "Example:\n  magsplice scan film.toml scan.csv\n  \
+    magsplice scan film.toml scan.csv --fit strength,offset --save corrected.csv")]
 pub(crate) struct ScanArgs {
-    /// CSV file with columns x_mm, y_mm, z_mm and bx_mt, by_mt, bz_mt, or in other units, such as
-    /// bx (uT); - is standard input
-    scan: PathBuf,
     /// Layout file of the film
-    #[arg(long, value_name = "LAYOUT")]
     layout: PathBuf,
+    /// Table (CSV) with columns x_mm, y_mm, z_mm and bx_mt, by_mt, bz_mt, or in other units, such
+    /// as bx (uT); - is standard input
+    #[arg(value_name = "TABLE")]
+    scan: PathBuf,
     /// Units of columns without a unit in their names, such as uT, or mm,uT; the line of column
     /// names is still required
     #[arg(long, value_name = "UNITS", value_parser = given_units)]
@@ -62,7 +61,7 @@ pub(crate) struct ScanArgs {
     fit: Vec<FitArg>,
     /// File for a table of the readings, corrected for offset and rotation, with the field of the
     /// layout and the residuals
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "TABLE")]
     save: Option<PathBuf>,
     /// Folder for figures of planes of the scan, measured beside simulated: B, and R_x, R_y, S_z
     /// (Dai 2024, Figs. 6 to 8)

@@ -4,12 +4,11 @@ use std::fmt::Write;
 use std::path::Path;
 
 use magsplice::Film;
-use magsplice::prelude::DVec3;
 use magsplice::results::{ExcludedReadings, FilmScan, FittedScan};
 use magsplice::scan::SignedAxes;
 
 use crate::args::fit::FitArg;
-use crate::text::number::{counted, number};
+use crate::text::number::{counted, number, point};
 use crate::text::units::in_ut;
 use crate::text::{header, rows};
 
@@ -95,8 +94,7 @@ fn positions(found: &FilmScan) -> String {
         None => " at positions that do not form a grid".to_owned(),
     };
     if !found.missing_mm.is_empty() {
-        let listed: Vec<String> =
-            found.missing_mm.iter().take(LISTED).map(|DVec3 { x, y, z }| format!("({x}, {y}, {z})")).collect();
+        let listed: Vec<String> = found.missing_mm.iter().take(LISTED).map(|missing| point(*missing)).collect();
         let _ = write!(text, "; {} missing: {}", found.missing_mm.len(), listed.join(", "));
         text += if found.missing_mm.len() > LISTED { ", ... mm" } else { " mm" };
     }

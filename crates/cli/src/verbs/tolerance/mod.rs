@@ -14,7 +14,7 @@ use magsplice::results::{FilmSampling, SampleRun, SampledFilm, in_stretches};
 use magsplice::{Film, FilmError, Stage};
 
 use crate::args::formats::ResultArgs;
-use crate::args::numbers::whole;
+use crate::args::numbers::{seed, whole};
 use crate::args::preset::PresetArgs;
 use crate::args::sorting::SortingArgs;
 use crate::failure::Failure;
@@ -69,13 +69,13 @@ pub(crate) struct ToleranceArgs {
     #[arg(long, value_name = "N", value_parser = |text: &str| whole(text, 1..=MAX_SAMPLES))]
     samples: Option<u64>,
     /// Seed of the random numbers [default: the value of [tolerance], else 1]
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "SEED", value_parser = seed)]
     seed: Option<u64>,
     /// Index of the first sample, counted from 0, to compute a part of the samples
-    #[arg(long, value_name = "K", default_value = "0", value_parser = number)]
+    #[arg(long, value_name = "N", default_value = "0", value_parser = number)]
     first: u64,
     /// Number of samples of the part [default: all from the first on]
-    #[arg(long, value_name = "M", value_parser = |text: &str| whole(text, 1..=MAX_SAMPLES))]
+    #[arg(long, value_name = "N", value_parser = |text: &str| whole(text, 1..=MAX_SAMPLES))]
     count: Option<u64>,
     /// Continue a run that was interrupted or killed, from its file FILE.partial beside --save
     #[arg(long, requires = "save")]
@@ -90,7 +90,7 @@ pub(crate) struct ToleranceArgs {
 #[derive(Args)]
 struct ToleranceResultArgs {
     /// File for the results of every sample: .csv, .npz or .parquet; parts of a run must be .csv
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "TABLE")]
     save: Option<PathBuf>,
     #[command(flatten)]
     text: ResultArgs,

@@ -28,7 +28,7 @@ pub(super) enum SampleFormat {
 }
 
 impl FileFormat for SampleFormat {
-    const OPTION: &'static str = "--save";
+    const OPTION: Option<&'static str> = None;
 
     fn file(self) -> FileKind {
         let kind = match self {

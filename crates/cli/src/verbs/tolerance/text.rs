@@ -1,12 +1,14 @@
 //! Statistics of samples as tables.
 
+use std::fmt::Write;
+
 use magsplice::Film;
 use magsplice::decouple::Figure;
 use magsplice::layout::{CommonErrors, Distribution, FilmPose, FilmTolerance, SensorErrors};
 use magsplice::magnet::{Axis, DirectionError, PerTileError, TileError};
 use magsplice::making::Sorting;
 use magsplice::results::{SampleRun, SampledFigure, SampledFilm, twelve_digits};
-use magsplice::tolerance::Estimate;
+use magsplice::tolerance::{Estimate, Statistics};
 
 use crate::text::number::counted;
 use crate::text::rows::{Column, left, right};
@@ -50,6 +52,16 @@ pub(crate) fn samples(film: &Film, result: &SampledFilm) -> String {
         }
         None => "yield: none, because the layout has no [expect.made] table with bounds of films as made\n".to_owned(),
     };
+    let statistics = result.figures.iter().filter_map(|(_, sampled)| sampled.map(|sampled| &sampled.statistics));
+    let mut ends = statistics.flat_map(|statistics| [statistics.p95, statistics.p5]).flat_map(|shown| shown.interval);
+    if ends.any(|end| !end.is_finite()) {
+        let _ = writeln!(
+            text,
+            "unknown: {} are too few for this end; at least {} are needed, such as --samples 1000",
+            counted(result.run.count as usize, "sample", "samples"),
+            Statistics::SAMPLES_OF_P95
+        );
+    }
     text += "intervals hold with 95 % confidence\n";
     text
 }
@@ -112,7 +124,7 @@ fn number(value: f64) -> String {
 }
 
 fn interval(estimate: &Estimate) -> String {
-    let end = |end: f64| if end.is_finite() { number(end) } else { "?".to_owned() };
+    let end = |end: f64| if end.is_finite() { number(end) } else { "unknown".to_owned() };
     let [low, high] = estimate.interval.map(end);
     format!("{low} .. {high}")
 }
