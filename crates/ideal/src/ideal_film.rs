@@ -115,6 +115,15 @@ impl IdealFilm {
         -0.5 * self.amplitude_t * (-self.wavenumber() * self.thickness).exp_m1()
     }
 
+    /// J in tesla (Eq. 1); zero outside of the film, which fills 0 <= z <= d.
+    pub fn polarization_t(&self, point: DVec3) -> DVec3 {
+        if !(0.0..=self.thickness).contains(&point.z) {
+            return DVec3::ZERO;
+        }
+        let k = self.wavenumber();
+        self.amplitude_t * DVec3::new((k * point.x).sin(), (k * point.y).sin(), 0.0)
+    }
+
     /// B below the film, in tesla (Eq. 2); `None` where z >= 0, outside the domain of Eq. 2, or
     /// where a phase is not finite.
     ///
@@ -192,6 +201,15 @@ mod tests {
         for (got, want) in b.to_array().into_iter().zip(want) {
             assert_relative_eq!(got, want, max_relative = 1e-14);
         }
+    }
+
+    #[test]
+    fn eq_1_fills_the_film_only() {
+        let j = |x: f64, y: f64, z: f64| published().polarization_t(DVec3::new(x, y, z));
+        let sine = 0.12 * std::f64::consts::FRAC_1_SQRT_2;
+        assert!((j(1.25, -3.75, 0.5) - DVec3::new(sine, -sine, 0.0)).length() < 1e-16);
+        assert!((j(2.5, 5.0, 1.0) - DVec3::new(0.12, 0.0, 0.0)).length() < 1e-16);
+        assert_eq!((j(2.5, 2.5, -1e-9), j(2.5, 2.5, 1.1)), (DVec3::ZERO, DVec3::ZERO));
     }
 
     #[test]

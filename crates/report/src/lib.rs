@@ -65,6 +65,7 @@ pub use figures::diagnosis::diagnosis_figure;
 pub use figures::experiment::experiment_figure;
 pub use figures::forces::forces_figure;
 pub use figures::front::front_figures;
+pub use figures::ideal_film::ideal_film_figures;
 pub use figures::layout_from_above::layout_figure;
 pub use figures::placement_plan::placement_plan_figure;
 pub use figures::scan_maps::scan_figures;

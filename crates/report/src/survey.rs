@@ -32,7 +32,7 @@ pub(crate) fn tiles_to_draw(layout: &Layout) -> Vec<&NamedTile> {
 
 /// What is left of the error of the field of the ideal film, as a fraction of |B|. Its phases are
 /// right to one unit of round-off of about ten periods, its exponential to a few more.
-const IDEAL_ROUND_OFF: f64 = 1e-14;
+pub(crate) const IDEAL_ROUND_OFF: f64 = 1e-14;
 
 /// Error bounds by which a component of B must exceed zero. Two, because the stated bound does not
 /// count the displacement of points in the frames of rotated tiles.

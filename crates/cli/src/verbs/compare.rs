@@ -4,12 +4,16 @@ use std::path::PathBuf;
 
 use magsplice::ideal::Comparison;
 use magsplice::results::remark_about_amplitude;
+#[cfg(feature = "report")]
+use magsplice_report::ideal_film_figures;
 
 use crate::args::accuracy::AccuracyArgs;
 use crate::args::formats::TextOrJson;
 use crate::args::points::PointsArgs;
 use crate::failure::Failure;
 use crate::inputs::points_below_film::GivenPoints;
+#[cfg(feature = "report")]
+use crate::output::folder::Folder;
 use crate::remarks;
 use crate::session::Session;
 use crate::text::number::{number, point};
@@ -29,6 +33,11 @@ pub(crate) struct CompareArgs {
     /// Format of the result
     #[arg(long, value_enum, default_value = "text")]
     format: TextOrJson,
+    /// Folder for figures of the ideal film: its polarization (Dai 2024, Fig. 2), and vectors of
+    /// its field (Fig. 3)
+    #[cfg(feature = "report")]
+    #[arg(long, value_name = "FOLDER")]
+    figures: Option<PathBuf>,
     #[command(flatten)]
     accuracy: AccuracyArgs,
 }
@@ -38,6 +47,16 @@ pub(crate) fn run(args: &CompareArgs, quiet: bool) -> Result<(), Failure> {
     // A layout without an ideal film is refused before the field is computed.
     let purpose = "compares the field with the field of the ideal, sinusoidal film";
     session.require_film(args.points.path().is_none(), "compare", purpose)?;
+    #[cfg(feature = "report")]
+    if let Some(path) = &args.figures {
+        let mut folder = Folder::open(path, "compare", &[&args.layout])?;
+        for figure in ideal_film_figures(&session.film()?)? {
+            for (name, contents) in figure.files() {
+                folder.write(&name, contents)?;
+            }
+        }
+        folder.finish()?;
+    }
     let film = session.film()?.with_accuracy(args.accuracy.accuracy());
     let given = GivenPoints::read(&session, &args.points, false)?;
     let found = match &given {

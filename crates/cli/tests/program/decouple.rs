@@ -80,6 +80,42 @@ fn compare_as_text_and_json() {
     assert_eq!(json["worst_at_mm"], serde_json::json!([0.0, 0.0, -3.0]));
 }
 
+/// Eqs. 1 and 2 of the published film, with the numbers of the figures.
+#[test]
+fn ideal_film_is_drawn_as_the_equations_say() {
+    let sandbox = Sandbox::new();
+    assert_eq!(sandbox.run(&["compare", &shipped("published-film"), "--figures", "ideal", "-q"]).status, 0);
+    let rows = |name: &str| -> Vec<[f64; 6]> {
+        assert!(
+            sandbox.path(&format!("ideal/{name}.svg")).is_file()
+                && sandbox.path(&format!("ideal/{name}.png")).is_file()
+        );
+        let text = sandbox.read(&format!("ideal/{name}.csv"));
+        let row = |line: &str| line.split(',').map(|cell| cell.parse().unwrap()).collect::<Vec<f64>>();
+        text.lines().skip(1).map(|line| row(line).try_into().unwrap()).collect()
+    };
+    // The tables have nine digits.
+    const DIGITS: f64 = 1e-9;
+    let k = 0.2 * std::f64::consts::PI;
+    let polarization = rows("ideal-polarization");
+    assert!(polarization.len() >= 24 * 24);
+    for [x, y, _, j_x, j_y, j_z] in polarization {
+        assert!(
+            (j_x - 0.12 * (k * x).sin()).abs() < DIGITS && (j_y - 0.12 * (k * y).sin()).abs() < DIGITS && j_z == 0.0
+        );
+    }
+    let vectors = rows("ideal-vectors");
+    assert!(vectors.len() > 500);
+    let surface_t = 0.06 * (1.0 - (-k).exp());
+    for [x, y, z, b_x, b_y, b_z] in vectors {
+        let scale_t = surface_t * (k * z).exp();
+        let known = [-(k * x).sin(), -(k * y).sin(), (k * x).cos() + (k * y).cos()];
+        for (found, known) in [b_x, b_y, b_z].into_iter().zip(known) {
+            assert!((found - scale_t * known).abs() < DIGITS, "({x}, {y}, {z})");
+        }
+    }
+}
+
 #[test]
 fn warnings_are_recalled_after_the_numbers() {
     let sandbox = Sandbox::new();

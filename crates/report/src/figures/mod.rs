@@ -18,6 +18,8 @@ mod film_panel;
 pub(crate) mod forces;
 /// Errors of the films of a Pareto front.
 pub(crate) mod front;
+/// The ideal film: its polarization, and vectors of its field.
+pub(crate) mod ideal_film;
 /// The tiles from above with their polarization and names.
 pub(crate) mod layout_from_above;
 /// The legend of the figure of the tiles.

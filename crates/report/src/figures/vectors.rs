@@ -4,7 +4,7 @@
 use glam::DVec3;
 use magsplice::Film;
 use magsplice::layout::{NamedTile, WorkingVolume};
-use magsplice::prelude::Quantity;
+use magsplice::prelude::{Quantity, Tile};
 use plotters::prelude::RGBColor;
 
 use crate::colours::{ColourScale, DirectionColours, Palette, light, plotters_colour};
@@ -68,17 +68,37 @@ pub(crate) fn draft(
     volume: &WorkingVolume,
     ranges: &SharedRanges,
 ) -> Result<FigureDraft, ReportError> {
+    let field = |points: &[DVec3]| {
+        let mut field = vec![DVec3::ZERO; points.len()];
+        // Points without a field are NaN, and get no arrow.
+        let _ = film.scene().field_into(Quantity::FluxDensity, points, &mut field);
+        let bounds = round_off_t(film, points, &field);
+        field.into_iter().zip(bounds).map(|(b, bound)| without_round_off(b, bound)).collect()
+    };
+    let tiles: Vec<&Tile> = tiles.iter().map(|named| &named.tile).collect();
+    draft_of_magnet("vectors", CAPTION, &tiles, &field, volume, ranges)
+}
+
+/// The figure of a magnet with this field. `tiles` fill the magnet, and `field` is B in tesla, NaN
+/// where it is unbounded.
+pub(super) fn draft_of_magnet(
+    name: &'static str,
+    caption: &str,
+    tiles: &[&Tile],
+    field: &dyn Fn(&[DVec3]) -> Vec<DVec3>,
+    volume: &WorkingVolume,
+    ranges: &SharedRanges,
+) -> Result<FigureDraft, ReportError> {
     let views = views(tiles, volume, ranges);
-    let arrows = views.each_ref().map(|view| view.field_arrows(film));
+    let arrows = views.each_ref().map(|view| view.field_arrows(field));
     let rows = arrows.iter().flatten().map(|arrow| [arrow.point_mm, arrow.whole_t]);
     let csv = csv_of_vectors("x_mm,y_mm,z_mm,b_x_t,b_y_t,b_z_t", rows);
-    FigureDraft::new("vectors", CAPTION, draw(&views, &arrows, tiles, volume, ranges), csv)
+    FigureDraft::new(name, caption, draw(&views, &arrows, tiles, volume, ranges), csv)
 }
 
 /// The three views.
-fn views(tiles: &[&NamedTile], volume: &WorkingVolume, ranges: &SharedRanges) -> [PlaneView; 3] {
-    let [film_low, film_high] =
-        bounds(tiles.iter().map(|named| &named.tile)).unwrap_or([volume.lower_mm, volume.upper_mm]);
+fn views(tiles: &[&Tile], volume: &WorkingVolume, ranges: &SharedRanges) -> [PlaneView; 3] {
+    let [film_low, film_high] = bounds(tiles.iter().copied()).unwrap_or([volume.lower_mm, volume.upper_mm]);
     let middle = 0.5 * (volume.lower_mm + volume.upper_mm);
     let half_volume = 0.5 * (volume.upper_mm - volume.lower_mm);
     let window = |axis: usize| {
@@ -127,7 +147,7 @@ fn views(tiles: &[&NamedTile], volume: &WorkingVolume, ranges: &SharedRanges) ->
 fn draw(
     views: &[PlaneView; 3],
     arrows: &[Vec<FieldArrow>; 3],
-    tiles: &[&NamedTile],
+    tiles: &[&Tile],
     volume: &WorkingVolume,
     ranges: &SharedRanges,
 ) -> Result<String, DrawError> {
@@ -176,7 +196,7 @@ fn draw(
 impl PlaneView {
     /// B at regular points of the view that are in the range of the arrows. Points where B is
     /// unbounded are omitted.
-    fn field_arrows(&self, film: &Film) -> Vec<FieldArrow> {
+    fn field_arrows(&self, field: &dyn Fn(&[DVec3]) -> Vec<DVec3>) -> Vec<FieldArrow> {
         let [u, v] = in_plane(self.normal);
         let counts = [self.panel.width, self.panel.height].map(|px| ((px / PITCH_PX).floor() as usize).max(2));
         let along =
@@ -193,15 +213,10 @@ impl PlaneView {
                 }
             }
         }
-        let mut field = vec![DVec3::ZERO; points.len()];
-        // Points without a field are NaN, and get no arrow.
-        let _ = film.scene().field_into(Quantity::FluxDensity, &points, &mut field);
-        let bounds = round_off_t(film, &points, &field);
-        let field_arrow = |((&p, &b), &bound): ((&DVec3, &DVec3), &f64)| {
-            let b = without_round_off(b, bound);
-            FieldArrow { at: [p[u], p[v]], field_t: [b[u], b[v]], point_mm: p, whole_t: b }
-        };
-        points.iter().zip(&field).zip(&bounds).filter(|((_, b), _)| b.is_finite()).map(field_arrow).collect()
+        let field_arrow =
+            |(p, b): (DVec3, DVec3)| FieldArrow { at: [p[u], p[v]], field_t: [b[u], b[v]], point_mm: p, whole_t: b };
+        let field = field(&points);
+        points.into_iter().zip(field).filter(|(_, b)| b.is_finite()).map(field_arrow).collect()
     }
 
     /// The position on the sheet of the point of the view nearest to `p`.
@@ -211,16 +226,16 @@ impl PlaneView {
     }
 
     /// Draws the sections of the tiles and of the working volume.
-    fn draw(&self, sheet: &Sheet, tiles: &[&NamedTile], volume: &WorkingVolume) -> DrawResult {
+    fn draw(&self, sheet: &Sheet, tiles: &[&Tile], volume: &WorkingVolume) -> DrawResult {
         let [u, v] = in_plane(self.normal);
         let directions = DirectionColours::new();
-        for named in tiles {
-            let section = section(&named.tile, self.normal, self.at_mm);
+        for tile in tiles {
+            let section = section(tile, self.normal, self.at_mm);
             if section.len() < 3 || !section.iter().any(|p| self.panel.contains(p.x, p.y)) {
                 continue;
             }
             let outline: Vec<[f64; 2]> = section.iter().map(|p| self.clipped(p.to_array())).collect();
-            let j = named.tile.scene_polarization_t();
+            let j = tile.scene_polarization_t();
             sheet.shape(&outline, light(directions.colour(j)), RGBColor(90, 90, 90), 0.7)?;
             let in_view = [j[u], j[v]];
             let strength = in_view[0].hypot(in_view[1]);
