@@ -36,8 +36,8 @@ mod signed_axes;
 mod starts;
 
 pub use diagnosis::{
-    Candidate, DetectedError, Diagnosis, DiagnosisError, DiagnosisSettings, ErrorKind, FieldScan, FittedError,
-    NarrowedError, ScanDiagnosis, SimilarErrors,
+    Candidate, DetectedError, Diagnosis, DiagnosisError, DiagnosisSettings, ErrorKind, FALSE_ALARM, FieldScan,
+    FittedError, NarrowedError, ScanDiagnosis, SimilarErrors,
 };
 pub use exclusion::Exclusion;
 pub use fit::fit_scan;

@@ -924,7 +924,7 @@ class Film(Assembly):
         preset: Preset | None = None,
         as_ordered: bool = False,
         fit: Collection[Unknown] = (),
-        false_alarm: float = 0.01,
+        false_alarm: float = 0.002,
     ) -> Diagnosis:
         """Weak, turned or displaced tiles, from a scan of the field near the film.
 

@@ -5,6 +5,10 @@ use magsplice_layout::{FilmTolerance, Preset, TileErrors};
 
 use crate::parameters::FreeParameters;
 
+/// Default probability that any tile of a right film is reported: in one film of 500,
+/// for normal noise of the stated deviation.
+pub const FALSE_ALARM: f64 = 0.002;
+
 /// The positions and the noise of a scan.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FieldScan {
@@ -26,7 +30,7 @@ pub struct DiagnosisSettings {
     /// Unknown parameters of the scan.
     pub free: FreeParameters,
     /// Probability that any tile of a film without errors beyond the expected errors is reported.
-    /// Default: 0.01.
+    /// Default: [`FALSE_ALARM`].
     pub false_alarm: f64,
 }
 
@@ -36,7 +40,7 @@ impl Default for DiagnosisSettings {
             expected: FilmTolerance::default(),
             prior: Preset::ByHand.errors(),
             free: FreeParameters::NONE,
-            false_alarm: 0.01,
+            false_alarm: FALSE_ALARM,
         }
     }
 }

@@ -8,7 +8,7 @@ use magsplice::Film;
 use magsplice::layout::TileForm;
 use magsplice::prelude::DVec3;
 use magsplice::results::FilmDiagnosis;
-use magsplice::scan::Diagnosis;
+use magsplice::scan::{Diagnosis, FALSE_ALARM};
 use magsplice::sensor::Noise;
 #[cfg(feature = "report")]
 use magsplice_report::diagnosis_figure;
@@ -77,7 +77,7 @@ pub(crate) struct DiagnoseArgs {
     )]
     fit: Vec<FitArg>,
     /// Probability that a tile of a fault-free film is reported
-    #[arg(long, value_name = "P", default_value = "0.01", value_parser = probability)]
+    #[arg(long, value_name = "P", default_value_t = FALSE_ALARM, value_parser = probability)]
     false_alarm: f64,
     /// Layout file to write, with the tiles found
     #[arg(short, long, value_name = "LAYOUT")]
