@@ -63,8 +63,9 @@ impl Stiffness {
     /// their displacements (L. A. Jaeckel, Ann. Math. Statist. 43, 1449 (1972)), so that many
     /// readings at rest do not count. Forces farther from the line than six standard deviations
     /// are excluded and the rest is fitted by least squares, until no further force is excluded.
-    /// The deviation is from the median of their distances, weighted by the displacement from the
-    /// middle. Of fewer than eight forces, none is excluded.
+    /// The deviation is from the median of their distances: the larger one of the median of all,
+    /// and the median weighted by the displacement from the middle. Of fewer than eight forces,
+    /// none is excluded.
     ///
     /// Errors of the displacements flatten the line by the ratio of their variance to the variance
     /// of the displacements.
@@ -144,12 +145,14 @@ fn distance((displacement, force): (f64, f64), (slope, intercept): (f64, f64)) -
 }
 
 /// The distance from a line beyond which a force is an outlier. Many readings at rest, where any
-/// slope has the same force, do not count.
+/// slope has the same force, do not narrow it, nor do a few readings that determine the slope.
 fn outlier_limit(points: &[(f64, f64)], line: (f64, f64)) -> f64 {
     let middle = median(points.iter().map(|(displacement, _)| *displacement).collect());
     let distances = points.iter().map(|point| (distance(*point, line), (point.0 - middle).abs()));
     let largest = points.iter().fold(0.0_f64, |most, (_, force)| most.max(force.abs()));
-    let typical = weighted_median(distances.collect()).unwrap_or(0.0);
+    let distances: Vec<(f64, f64)> = distances.collect();
+    let of_all = median(distances.iter().map(|(distance, _)| *distance).collect());
+    let typical = weighted_median(distances).unwrap_or(0.0).max(of_all);
     (OUTLIER * DEVIATION_OVER_MEDIAN * typical).max(LEAST_LIMIT * largest)
 }
 
@@ -285,5 +288,17 @@ mod tests {
         let exact: Vec<f64> = displacements.iter().map(|d| 1.5 * d).collect();
         let (line, outliers) = Stiffness::fit(&displacements, &exact).unwrap();
         assert!((line.stiffness - 1.5).abs() < 1e-12 && outliers.is_empty(), "{line:?}");
+    }
+
+    /// A film that moves along x and y, then three steps along this axis: the forces of the first
+    /// readings are exact, and their displacements have the noise of the sensor.
+    #[test]
+    fn few_readings_that_move_do_not_exclude_the_others() {
+        let noise = |n: usize| 0.003 * [0.5, 1.2, 0.9, -0.5, -0.8, 0.1, -0.6, 0.3, 0.25][n % 9];
+        let mut displacements: Vec<f64> = (0..18).map(noise).collect();
+        displacements.extend([-1.9987, -0.9997, -0.0002]);
+        let forces = [[0.0; 18].as_slice(), &[-2.0 * 5.7, -5.7, 0.0]].concat();
+        let (line, outliers) = Stiffness::fit(&displacements, &forces).unwrap();
+        assert!(outliers.is_empty() && (line.stiffness / 5.7 - 1.0).abs() < 2e-3, "{line:?} {outliers:?}");
     }
 }
