@@ -69,6 +69,17 @@ pub enum GridFault {
 }
 
 impl Grid {
+    /// The corners of the smallest box around points; without points, the origin.
+    ///
+    /// # Panics
+    /// If a coordinate is not finite.
+    pub fn around(points: &[DVec3]) -> Grid {
+        let lower = points.iter().copied().reduce(DVec3::min).unwrap_or_default();
+        let upper = points.iter().copied().reduce(DVec3::max).unwrap_or_default();
+        let counts = [0, 1, 2].map(|axis| if lower[axis] < upper[axis] { 2 } else { 1 });
+        Grid::new(lower, upper, counts).expect("points must be finite")
+    }
+
     /// A grid of `counts` points along x, y, z.
     ///
     /// # Errors

@@ -3,15 +3,7 @@
 use magsplice::prelude::DVec3;
 use magsplice::results::rounded_beside;
 
-/// Six decimals, or six significant digits where six decimals would lose them or be too wide.
-pub(crate) fn number(value: f64) -> String {
-    if value == 0.0 || (1e-3..1e5).contains(&value.abs()) {
-        // Adding 0 turns -0 into 0.
-        format!("{:.6}", value + 0.0)
-    } else {
-        format!("{value:.5e}")
-    }
-}
+pub(crate) use magsplice::results::number;
 
 /// A uniformity RMSE. Planes with a single point have none.
 pub(crate) fn uniformity_number(rmse: Option<f64>) -> String {

@@ -5,7 +5,6 @@ use std::path::PathBuf;
 
 use magsplice::Film;
 use magsplice::decouple::PerAxis;
-use magsplice::magnet::Axis;
 use magsplice::prelude::DVec3;
 use magsplice::results::{FilmCalibration, FilmReadings};
 use magsplice::sensor::Stiffness;
@@ -88,17 +87,8 @@ fn tell_doubts(session: &Session, place: &str, readings: &FilmReadings, lines: &
     if !faults.is_empty() {
         session.tell(&faults.remarks(place));
     }
-    let reasons = [&found.without_stiffness.x, &found.without_stiffness.y, &found.without_stiffness.z];
-    for (axis, reason) in Axis::ALL.into_iter().zip(reasons) {
-        if let Some(reason) = reason {
-            session.tell(&format!("{place}: no stiffness along {axis}: {reason}\n"));
-        }
-    }
-    for axis in found.negative() {
-        session.tell(&format!(
-            "{place}: the stiffness along {axis} is negative: the force is positive where the film moves along -{axis}; \
-             reverse the sign of the forces, or check the axes of the sensor\n"
-        ));
+    for remark in found.remarks() {
+        session.tell(&format!("{place}: {remark}\n"));
     }
 }
 

@@ -104,4 +104,19 @@ impl FilmCalibration {
         let is_negative = |line: &Stiffness| line.stiffness + line.stiffness_95 < 0.0;
         Axis::ALL.into_iter().filter(|axis| axes[axis.index()].as_ref().is_some_and(is_negative)).collect()
     }
+
+    /// Axes without a stiffness or with a negative one, one sentence each.
+    pub fn remarks(&self) -> Vec<String> {
+        let reasons = [&self.without_stiffness.x, &self.without_stiffness.y, &self.without_stiffness.z];
+        let without = Axis::ALL.into_iter().zip(reasons);
+        let without = without
+            .filter_map(|(axis, reason)| reason.as_ref().map(|reason| format!("no stiffness along {axis}: {reason}")));
+        let negative = self.negative().into_iter().map(|axis| {
+            format!(
+                "the stiffness along {axis} is negative: the force is positive where the film moves along -{axis}; \
+                 reverse the sign of the forces, or check the axes of the sensor"
+            )
+        });
+        without.chain(negative).collect()
+    }
 }

@@ -87,6 +87,6 @@ pub use readings::{AtRest, FilmReadings};
 pub use resolution::{FilmResolution, ResolutionSummary};
 pub use samples::{FilmSampling, SampleRun, SampledFigure, SampledFilm, in_stretches};
 pub use scan::{ExcludedReadings, FilmScan, ScanUniformity};
-pub use significant::{rounded_beside, twelve_digits};
+pub use significant::{number, rounded_beside, twelve_digits};
 pub use source::{LayoutSource, Source};
 pub use table::{ColumnQuantity, Metadata, MetadataValue, Points, Rows, Table, TableColumn, Tabled};

@@ -9,6 +9,7 @@ use magsplice_scan::{Exclusion, FreeParameters, ScanError, ScanFit, ScanPosition
 use serde::Serialize;
 
 use super::placement::FittedScan;
+use super::significant::number;
 use super::source::Source;
 use super::table::{ColumnQuantity, Points, Table};
 use crate::film::Film;
@@ -143,7 +144,7 @@ impl Film {
         free: FreeParameters,
     ) -> Result<FilmScan, FilmError> {
         self.tell(Stage::uncounted("fitting the scan"));
-        let sensed = self.sensed_field(&box_of(points_mm))?;
+        let sensed = self.sensed_field(&Grid::around(points_mm))?;
         let fit =
             fit_scan(sensed.clone(), points_mm, readings_t, free, self.centre_mm()).map_err(|error| match error {
                 ScanError::Points(errors) => FilmError::Points(errors),
@@ -216,6 +217,25 @@ impl FilmScan {
         (self.sensor_noise_t > 0.0 && ratio > MOST_RESIDUAL).then_some(ratio)
     }
 
+    /// Why the fit is hardly the fit of this film, one sentence each.
+    pub fn remarks(&self) -> Vec<String> {
+        let strength = self.has_implausible_strength().then(|| {
+            format!(
+                "the fitted strength is {} times the strength of the layout: the scan is of another film, or its \
+                 columns have another unit, or its positions are far off",
+                number(self.fitted.strength)
+            )
+        });
+        let residual = self.excessive_residual().map(|ratio| {
+            format!(
+                "the residual is {} times the noise of the sensor: the film differs from the layout, or the positions \
+                 of the scan are wrong",
+                number(ratio)
+            )
+        });
+        strength.into_iter().chain(residual).collect()
+    }
+
     /// The readings with the field of the layout at the same places.
     pub fn table(&self) -> Table {
         let residual: Vec<DVec3> = self
@@ -264,12 +284,4 @@ impl ScanUniformity {
             [readings, corrected, simulated].map(|of_field| of_field.map(Result::ok));
         ScanUniformity { readings, corrected, simulated, omitted, singular: kept.len() - usable.len() }
     }
-}
-
-/// The corners of the box around the points of a scan.
-fn box_of(points: &[DVec3]) -> Grid {
-    let lower = points.iter().copied().reduce(DVec3::min).unwrap_or_default();
-    let upper = points.iter().copied().reduce(DVec3::max).unwrap_or_default();
-    let counts = [0, 1, 2].map(|axis| if lower[axis] < upper[axis] { 2 } else { 1 });
-    Grid::new(lower, upper, counts).expect("points of a scan are finite")
 }

@@ -24,6 +24,16 @@ pub fn rounded_beside(value: f64, largest: f64) -> f64 {
     text.parse().unwrap_or(value) + 0.0
 }
 
+/// Six decimals, or six significant digits where six decimals would lose them or be too wide.
+pub fn number(value: f64) -> String {
+    if value == 0.0 || (1e-3..1e5).contains(&value.abs()) {
+        // Adding 0 turns -0 into 0.
+        format!("{:.6}", value + 0.0)
+    } else {
+        format!("{value:.5e}")
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -22,7 +22,6 @@ use crate::output::folder::Folder;
 use crate::output::{choice, table};
 use crate::remarks;
 use crate::session::Session;
-use crate::text::number::number;
 use crate::text::units::in_ut;
 use crate::words::no_field;
 
@@ -105,7 +104,9 @@ pub(crate) fn run(args: &ScanArgs, quiet: bool) -> Result<(), Failure> {
     let result = args.result.format.shown(&found, || text::scan(&film, &args.scan, &args.fit, &found));
     session.write(output, &result)?;
     tell_excluded(&session, &args.scan, &lines, &found.exclusions, &found.residuals_t);
-    tell_implausible(&session, args, &found);
+    for remark in found.remarks() {
+        session.tell(&format!("{}: {remark}\n", args.scan.display()));
+    }
     Ok(())
 }
 
@@ -147,25 +148,6 @@ fn draw(args: &ScanArgs, film: &Film, found: &FilmScan, folder: &mut Folder) -> 
         }
     }
     Ok(())
-}
-
-/// Prints on standard error if the fit is hardly that of this film.
-fn tell_implausible(session: &Session, args: &ScanArgs, found: &FilmScan) {
-    let scan = args.scan.display();
-    if found.has_implausible_strength() {
-        session.tell(&format!(
-            "{scan}: the fitted strength is {} times the strength of the layout: the scan is of another film, or \
-             its columns have another unit, or its positions are far off\n",
-            number(found.fitted.strength)
-        ));
-    }
-    if let Some(ratio) = found.excessive_residual() {
-        session.tell(&format!(
-            "{scan}: the residual is {} times the noise of the sensor: the film differs from the layout, or the \
-             positions of the scan are wrong\n",
-            number(ratio)
-        ));
-    }
 }
 
 /// Lists the excluded readings on standard error.
