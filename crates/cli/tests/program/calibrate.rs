@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use serde_json::Value;
 
-use crate::{Sandbox, rows, shipped};
+use crate::{Sandbox, rows};
 
 const STIFFNESS_N_PER_MM: [f64; 3] = [0.8, 0.9, 2.5];
 const AT_REST_N: [f64; 3] = [0.1, -0.2, 0.3];
@@ -34,7 +34,7 @@ fn displaced(sandbox: &Sandbox) -> Vec<([f64; 3], [f64; 3])> {
     // The sensor moves by the opposite, from the reference point (0, 0, -5) mm.
     let lines: Vec<String> = moved.iter().map(|[x, y, z]| format!("{:?},{:?},{:?}", -x, -y, -5.0 - z)).collect();
     sandbox.write("points.csv", &format!("x_mm,y_mm,z_mm\n{}\n", lines.join("\n")));
-    let said = sandbox.run(&["field", &shipped("published-film"), "--points", "points.csv"]);
+    let said = sandbox.run(&["field", &sandbox.published_with(""), "--points", "points.csv"]);
     assert_eq!(said.status, 0, "{}", said.stderr);
     moved.into_iter().zip(rows(&said.stdout)).map(|(moved, row)| (moved, [row[3], row[4], row[5]])).collect()
 }
@@ -55,7 +55,7 @@ fn calibrated(sandbox: &Sandbox, readings: &[([f64; 3], [f64; 3])], noise: [f64;
         let _ = writeln!(text, "{}", cells.join(";"));
     }
     sandbox.write("forces.csv", &text);
-    let film = shipped("published-film");
+    let film = sandbox.published_with("");
     let said = sandbox.run(&["calibrate", "forces.csv", "--layout", &film, "--format", "json"]);
     assert_eq!(said.status, 0, "{}", said.stderr);
     serde_json::from_str(&said.stdout).expect("JSON")
@@ -78,7 +78,7 @@ fn stiffness_without_noise_is_exact() {
         let closed = &result["by_closed_form"][name];
         assert!((number(&closed["stiffness_n_per_mm"]) / STIFFNESS_N_PER_MM[axis] - 1.0).abs() > 0.02, "{closed}");
     }
-    let film = shipped("published-film");
+    let film = sandbox.published_with("");
     let text = sandbox.run(&["calibrate", "forces.csv", "--layout", &film]).stdout;
     assert!(text.contains("forces.csv: 30 readings; force = stiffness x displacement"), "{text}");
     let row = text.lines().find(|line| line.contains("stiffness, N/mm")).expect("a row");
@@ -110,7 +110,7 @@ fn intervals_contain_the_coefficients_as_often_as_they_say() {
 #[test]
 fn calibrations_that_tell_nothing_are_refused() {
     let sandbox = Sandbox::new();
-    let film = shipped("published-film");
+    let film = sandbox.published_with("");
     let with = |text: &str| {
         sandbox.write("forces.csv", text);
         sandbox.run(&["calibrate", "forces.csv", "--layout", &film])
@@ -128,7 +128,7 @@ fn calibrations_that_tell_nothing_are_refused() {
 #[test]
 fn wild_forces_are_excluded_and_named() {
     let sandbox = Sandbox::new();
-    let film = shipped("published-film");
+    let film = sandbox.published_with("");
     let mut readings = displaced(&sandbox);
     let clean = calibrated(&sandbox, &readings, [0.005, 1e-6], 5);
     readings[4].1[0] += 5e-4;
@@ -159,7 +159,7 @@ fn wild_forces_are_excluded_and_named() {
 #[test]
 fn negative_and_missing_stiffnesses_are_named() {
     let sandbox = Sandbox::new();
-    let film = shipped("published-film");
+    let film = sandbox.published_with("");
     let readings = displaced(&sandbox);
     calibrated(&sandbox, &readings, [0.0, 0.0], 1);
     let text = sandbox.read("forces.csv");

@@ -84,6 +84,15 @@ impl Sandbox {
         path
     }
 
+    /// The published film without its sensor and its elastic layer, with these tables instead.
+    fn published_with(&self, tables: &str) -> String {
+        let text = fs::read_to_string(shipped("published-film")).expect("readable");
+        let is_kept = |part: &&str| !part.contains("[sensor]\n") && !part.contains("[elastomer]\n");
+        let kept: Vec<&str> = text.split("\n\n").filter(is_kept).collect();
+        self.write("film.toml", &format!("{}\n{tables}\n", kept.join("\n\n")));
+        "film.toml".to_owned()
+    }
+
     fn read(&self, name: &str) -> String {
         fs::read_to_string(self.path(name)).expect("a readable file")
     }

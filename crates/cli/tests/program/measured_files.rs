@@ -10,8 +10,7 @@ const READINGS: &str = "bx_mt,by_mt,bz_mt\n0,0,2\n0.1,-0.2,2.5\n";
 fn read(readings: &str, sensor: &str, options: &[&str]) -> RunOutput {
     let sandbox = Sandbox::new();
     sandbox.write("b.csv", readings);
-    let film = std::fs::read_to_string(shipped("published-film")).expect("readable");
-    sandbox.write("film.toml", &(film + sensor));
+    sandbox.published_with(sensor);
     sandbox.run(&[&["read", "b.csv", "--layout", "film.toml"], options].concat())
 }
 
@@ -190,9 +189,8 @@ fn scans_and_calibrations_read_logs() {
 #[test]
 fn forces_have_units_of_load_cells() {
     let sandbox = Sandbox::new();
-    let film = std::fs::read_to_string(shipped("published-film")).expect("readable");
     let layer = "\n[elastomer]\narea_mm2 = 400\nthickness_mm = 7\nyoungs_modulus_mpa = 0.1\npoisson_ratio = 0.45\n";
-    sandbox.write("film.toml", &(film + layer));
+    sandbox.published_with(layer);
     assert_eq!(sandbox.run(&["experiment", "film.toml", "-o", "moved.csv"]).status, 0);
     let moved = sandbox.read("moved.csv");
     let names: Vec<&str> = moved.lines().next().expect("names").split(',').collect();

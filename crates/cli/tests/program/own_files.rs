@@ -3,7 +3,7 @@
 #[cfg(feature = "report")]
 use std::fs;
 
-use crate::{RunOutput, Sandbox, shipped};
+use crate::{RunOutput, Sandbox};
 
 /// A film with every table, and few points.
 const TABLES: &str = "\n[sensor]\npart = \"MLX90393\"\n\
@@ -12,8 +12,7 @@ const TABLES: &str = "\n[sensor]\npart = \"MLX90393\"\n\
 
 fn sandbox() -> Sandbox {
     let sandbox = Sandbox::new();
-    let film = std::fs::read_to_string(shipped("published-film")).expect("readable");
-    sandbox.write("film.toml", &(film + TABLES));
+    sandbox.published_with(TABLES);
     sandbox
 }
 

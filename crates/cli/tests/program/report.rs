@@ -35,7 +35,7 @@ fn element<'a>(page: &'a str, id: &str) -> &'a str {
 #[test]
 fn report_writes_every_figure_of_the_published_film() {
     let sandbox = Sandbox::new();
-    let said = sandbox.run(&["report", &shipped("published-film"), "-o", "out"]);
+    let said = sandbox.run(&["report", &sandbox.published_with(""), "-o", "out"]);
     assert_eq!((said.status, said.stderr.as_str()), (0, ""));
     assert!(said.stdout.contains("report.html: 8 figures"), "{}", said.stdout);
     let endings = |name: &&str| ["csv", "png", "svg"].map(|ending| format!("{name}.{ending}"));
@@ -90,7 +90,7 @@ fn report_writes_every_figure_of_the_published_film() {
 #[test]
 fn numbers_on_the_page_are_those_of_decouple_and_field() {
     let sandbox = Sandbox::new();
-    let layout = shipped("published-film");
+    let layout = sandbox.published_with("");
     for accuracy in [&[][..], &["--within", "1e-6"]] {
         let run = |verb: &[&str]| sandbox.run(&[verb, accuracy].concat());
         assert_eq!(run(&["report", &layout, "-o", "out"]).status, 0);

@@ -23,7 +23,7 @@ fn write(sandbox: &Sandbox, names: &str, lines: &[Vec<f64>]) {
 }
 
 fn fitted(sandbox: &Sandbox, options: &[&str]) -> Value {
-    let film = shipped("published-film");
+    let film = sandbox.published_with("");
     let said =
         sandbox.run(&[&["scan", "scan.csv", "--layout", &film, "--format", "json", "--quiet"], options].concat());
     assert_eq!((said.status, said.stderr.as_str()), (0, ""));
@@ -103,7 +103,7 @@ fn uniformity_at_positions_of_a_stage() {
         mm * (2.0 * (state >> 11) as f64 / (1_u64 << 53) as f64 - 1.0)
     };
     let exact = field(&sandbox);
-    let film = shipped("published-film");
+    let film = sandbox.published_with("");
     let mut scan = |mm: f64| {
         let mut moved = |row: &Vec<f64>| row[..3].iter().map(|c| ((c + scatter(mm)) * 1e4).round() / 1e4).collect();
         let places: Vec<Vec<f64>> = exact.iter().map(&mut moved).collect();
@@ -126,7 +126,7 @@ fn uniformity_at_positions_of_a_stage() {
         let reason = random["uniformity_rmse"]["omitted"][name].as_str().expect("a reason");
         assert!(reason.contains("must differ by at most 0.1 mm"), "{reason}");
     }
-    let said = sandbox.run(&["scan", "scan.csv", "--layout", &shipped("published-film"), "--fit", "strength"]);
+    let said = sandbox.run(&["scan", "scan.csv", "--layout", &sandbox.published_with(""), "--fit", "strength"]);
     assert!(said.stdout.contains("undefined: most positions share no plane normal to x"), "{}", said.stdout);
 }
 
@@ -146,7 +146,7 @@ fn gaps_repeated_positions_and_outliers_are_named() {
     lines[19] = lines[20].clone();
     lines.remove(200);
     write(&sandbox, "x_mm,y_mm,z_mm,bx_t,by_t,bz_t", &lines);
-    let said = sandbox.run(&["scan", "scan.csv", "--layout", &shipped("published-film")]);
+    let said = sandbox.run(&["scan", "scan.csv", "--layout", &sandbox.published_with("")]);
     assert_eq!(said.status, 0, "{}", said.stderr);
     let named = "404 readings on a grid of 9 x 9 x 5; 2 missing: (-2, -0.5, -3), (0, 0, -5) mm; 1 repeated: line 22";
     assert!(said.stdout.contains(named), "{}", said.stdout);
@@ -166,7 +166,7 @@ fn gaps_repeated_positions_and_outliers_are_named() {
 #[test]
 fn scans_that_cannot_be_fitted_are_refused() {
     let sandbox = Sandbox::new();
-    let film = shipped("published-film");
+    let film = sandbox.published_with("");
     let with = |text: &str| {
         sandbox.write("scan.csv", text);
         sandbox.run(&["scan", "scan.csv", "--layout", &film])
@@ -188,7 +188,7 @@ fn scans_that_cannot_be_fitted_are_refused() {
 #[test]
 fn axes_and_places_other_than_stated_are_found_and_named() {
     let sandbox = Sandbox::new();
-    let film = shipped("published-film");
+    let film = sandbox.published_with("");
     type Change = fn(&[f64]) -> Vec<f64>;
     let changes: [(Change, &str); 5] = [
         (
@@ -243,11 +243,7 @@ fn axes_and_places_other_than_stated_are_found_and_named() {
 #[test]
 fn saturated_readings_are_excluded_and_named() {
     let sandbox = Sandbox::new();
-    let film = std::fs::read_to_string(shipped("published-film")).expect("readable");
-    let film = film.split("[expect]").next().unwrap().to_owned()
-        + &film[film.find("[[lattice]]").expect("a lattice")..]
-        + "\n[sensor]\npart = \"MLX90393\"\n";
-    sandbox.write("film.toml", &film);
+    sandbox.published_with("[sensor]\npart = \"MLX90393\"");
     let points: Vec<String> = (0..361).map(|n| format!("{},{},-3", n % 19 - 9, n / 19 - 9)).collect();
     sandbox.write("points.csv", &format!("x_mm,y_mm,z_mm\n{}\n", points.join("\n")));
     let field = rows(&sandbox.run(&["field", "film.toml", "--points", "points.csv"]).stdout);
@@ -284,7 +280,7 @@ fn saturated_readings_are_excluded_and_named() {
 #[test]
 fn fits_that_are_hardly_those_of_the_film_are_named() {
     let sandbox = Sandbox::new();
-    let film = shipped("published-film");
+    let film = sandbox.published_with("");
     let lines: Vec<Vec<f64>> = field(&sandbox)
         .iter()
         .map(|row| row[..3].iter().copied().chain(row[3..6].iter().map(|b| 10.0 * b)).collect())
@@ -296,8 +292,7 @@ fn fits_that_are_hardly_those_of_the_film_are_named() {
         "{}",
         said.stderr
     );
-    let text = std::fs::read_to_string(&film).expect("readable");
-    sandbox.write("film.toml", &format!("{text}\n[sensor]\nnoise_ut = 1\n"));
+    sandbox.published_with("[sensor]\nnoise_ut = 1");
     let lines: Vec<Vec<f64>> = field(&sandbox)
         .iter()
         .enumerate()
@@ -315,7 +310,7 @@ fn fits_that_are_hardly_those_of_the_film_are_named() {
 #[test]
 fn measured_planes_are_drawn_beside_simulated_ones() {
     let sandbox = Sandbox::new();
-    let film = shipped("published-film");
+    let film = sandbox.published_with("");
     let mut lines: Vec<Vec<f64>> = field(&sandbox).iter().map(|row| row[..6].to_vec()).collect();
     lines.remove(100);
     write(&sandbox, "x_mm,y_mm,z_mm,bx_t,by_t,bz_t", &lines);

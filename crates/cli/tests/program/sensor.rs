@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::{Sandbox, shipped};
+use crate::Sandbox;
 
 const NAMES: &str = "dx_mm,dy_mm,dz_mm,deviation_x_mm,deviation_y_mm,deviation_z_mm,closed_form_dx_mm,\
                      closed_form_dy_mm,closed_form_dz_mm,status";
@@ -30,7 +30,7 @@ fn random_points(count: u64) -> (String, Vec<[f64; 3]>) {
 #[test]
 fn readings_without_noise_give_the_displacements() {
     let sandbox = Sandbox::new();
-    let film = shipped("published-film");
+    let film = sandbox.published_with("");
     let (text, points) = random_points(500);
     sandbox.write("points.csv", &text);
     assert_eq!(sandbox.run(&["field", &film, "--points", "points.csv", "-o", "b.csv"]).status, 0);
@@ -69,7 +69,7 @@ fn readings_without_noise_give_the_displacements() {
 #[test]
 fn readings_at_rest_take_out_a_constant_field() {
     let sandbox = Sandbox::new();
-    let film = shipped("published-film");
+    let film = sandbox.published_with("");
     sandbox.write("points.csv", "x_mm,y_mm,z_mm\n0,0,-5\n0,0,-5\n1,-0.5,-4\n");
     assert_eq!(sandbox.run(&["field", &film, "--points", "points.csv", "-o", "b.csv"]).status, 0);
     let b = sandbox.read("b.csv");
@@ -92,7 +92,7 @@ fn readings_at_rest_take_out_a_constant_field() {
 #[test]
 fn readings_without_a_place_in_the_volume_are_named() {
     let sandbox = Sandbox::new();
-    let film = shipped("published-film");
+    let film = sandbox.published_with("");
     sandbox.write("b.csv", "bx_mt,by_mt,bz_mt\n0,0,2\n100,0,0\n0,0,9\n");
     let said = sandbox.run(&["read", "b.csv", "--layout", &film]);
     assert_eq!(said.status, 0);
@@ -118,7 +118,7 @@ fn readings_without_a_place_in_the_volume_are_named() {
 #[test]
 fn faulty_files_of_readings_are_refused() {
     let sandbox = Sandbox::new();
-    let film = shipped("published-film");
+    let film = sandbox.published_with("");
     let with = |text: &str, options: &[&str]| {
         sandbox.write("b.csv", text);
         sandbox.run(&[&["read", "b.csv", "--layout", &film], options].concat())
@@ -147,7 +147,7 @@ fn faulty_files_of_readings_are_refused() {
 #[test]
 fn resolution_is_the_deviation_of_readings() {
     let sandbox = Sandbox::new();
-    let film = shipped("published-film");
+    let film = sandbox.published_with("");
     let said = sandbox.run(&["resolution", &film, "--noise", "5uT", "-o", "resolution.csv"]);
     assert_eq!((said.status, said.stderr.as_str()), (0, ""));
     assert!(said.stdout.contains("noise of a reading: 5 uT (standard deviation)"), "{}", said.stdout);

@@ -1,12 +1,6 @@
 //! Layouts with `[sensor]` and `[elastomer]`: `experiment`, `read`, `resolution` and the C header.
 
-use crate::{Sandbox, rows, shipped};
-
-/// The published film with these tables.
-fn film_with(sandbox: &Sandbox, tables: &str) {
-    let text = std::fs::read_to_string(shipped("published-film")).expect("readable");
-    sandbox.write("film.toml", &format!("{text}\n{tables}\n"));
-}
+use crate::{Sandbox, rows};
 
 const LAYER: &str = "[elastomer]\narea_mm2 = 400\nthickness_mm = 7\nyoungs_modulus_mpa = 0.1\npoisson_ratio = 0.4\n";
 
@@ -42,7 +36,7 @@ const CROOKED: &str = "[sensor]\nplates_mm = { x = [0.1, 0, 0], z = [0, 0.1, -0.
 #[test]
 fn experiments_tell_displacements_and_forces() {
     let sandbox = Sandbox::new();
-    film_with(&sandbox, &format!("{CROOKED}{LAYER}"));
+    sandbox.published_with(&format!("{CROOKED}{LAYER}"));
     let found = experiment(&sandbox, &[]);
     // 9 steps along x and y, 3 towards the sensor.
     assert_eq!(found.rows.len(), 21);
@@ -80,7 +74,7 @@ fn experiments_tell_displacements_and_forces() {
 #[test]
 fn noise_is_that_of_the_sensor_and_of_the_seed() {
     let sandbox = Sandbox::new();
-    film_with(&sandbox, "[sensor]\npart = \"MLX90393\"");
+    sandbox.published_with("[sensor]\npart = \"MLX90393\"");
     let run = |options: &[&str]| sandbox.run(&[&["experiment", "film.toml"], options].concat()).stdout;
     let (exact, one, two) = (run(&[]), run(&["--seed", "1"]), run(&["--seed", "2"]));
     assert_eq!(one, run(&["--seed", "1"]));
@@ -106,7 +100,7 @@ fn noise_is_that_of_the_sensor_and_of_the_seed() {
         said.stdout
     );
     assert!(said.stdout.contains("readings a second: 100; the mean of n has 1/sqrt(n)"), "{}", said.stdout);
-    film_with(&sandbox, "[sensor]\nrange_mt = 10");
+    sandbox.published_with("[sensor]\nrange_mt = 10");
     sandbox.run(&["resolution", "film.toml"]).refuses("film.toml: the layout has no noise: give --noise, such as 5uT");
     sandbox.run(&["experiment", "film.toml", "--seed", "1"]).refuses("film.toml: the layout has no noise for --seed");
 }
@@ -115,7 +109,7 @@ fn noise_is_that_of_the_sensor_and_of_the_seed() {
 #[test]
 fn readings_beyond_the_range_are_named() {
     let sandbox = Sandbox::new();
-    film_with(&sandbox, "[sensor]\npart = \"LIS3MDL\"");
+    sandbox.published_with("[sensor]\npart = \"LIS3MDL\"");
     let said = sandbox.run(&["experiment", "film.toml", "-o", "moved.csv"]);
     let named = "film.toml: at 9 steps the flux density exceeds the range of the sensor";
     assert!(said.status == 0 && said.stderr.contains(named), "{}", said.stderr);
@@ -136,7 +130,7 @@ fn readings_beyond_the_range_are_named() {
 #[test]
 fn films_that_are_bent_and_turned_tell_other_displacements() {
     let sandbox = Sandbox::new();
-    film_with(&sandbox, "");
+    sandbox.published_with("");
     let worst = |options: &[&str]| -> f64 {
         let found = experiment(&sandbox, options);
         let mut worst: f64 = 0.0;
@@ -210,7 +204,7 @@ fn films_that_are_bent_and_turned_tell_other_displacements() {
 #[test]
 fn headers_know_the_sensor() {
     let sandbox = Sandbox::new();
-    film_with(&sandbox, CROOKED);
+    sandbox.published_with(CROOKED);
     let said = sandbox.run(&["export", "film.toml", "--to", "c-header", "--error", "0.02mm", "-o", "film.h"]);
     assert_eq!((said.status, said.stderr.as_str()), (0, ""));
     super::c_header::compiled(&sandbox);
@@ -229,7 +223,7 @@ fn headers_know_the_sensor() {
 #[test]
 fn active_areas_that_are_too_large_are_refused() {
     let sandbox = Sandbox::new();
-    film_with(&sandbox, "[sensor]\nactive_area_mm = [30, 30]\nnoise_ut = 5");
+    sandbox.published_with("[sensor]\nactive_area_mm = [30, 30]\nnoise_ut = 5");
     sandbox.run(&["resolution", "film.toml"]).refuses("the field changes too much over the active area of the sensor");
 }
 
@@ -237,7 +231,7 @@ fn active_areas_that_are_too_large_are_refused() {
 #[test]
 fn figures_of_the_sensor_are_drawn() {
     let sandbox = Sandbox::new();
-    film_with(&sandbox, &format!("[sensor]\npart = \"MLX90393\"\n{LAYER}"));
+    sandbox.published_with(&format!("[sensor]\npart = \"MLX90393\"\n{LAYER}"));
     assert_eq!(sandbox.run(&["experiment", "film.toml", "-o", "m.csv", "--figure", "moved.svg"]).status, 0);
     let svg = sandbox.read("moved.svg");
     assert!(svg.contains("closed form") && svg.contains("displacement of the film along"), "{}", svg.len());
