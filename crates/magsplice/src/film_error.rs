@@ -10,7 +10,7 @@ use magsplice_magnet::{Axis, PointErrors};
 use magsplice_making::{AssignmentError, ShortGroup};
 use magsplice_recoil::tolerances::{MAX_CELLS, MOST_PERMEABILITY_OF_TREE};
 use magsplice_recoil::{RecoilError, RefinementError};
-use magsplice_scan::{DiagnosisError, ScanError};
+use magsplice_scan::{DiagnosisError, SampleScanError, ScanError};
 use magsplice_sensor::{LocateError, PolynomialError, SensedFieldError, StiffnessError};
 use magsplice_tolerance::SampleError;
 use thiserror::Error;
@@ -94,6 +94,9 @@ pub enum FilmError {
     /// A scan cannot be fitted.
     #[error("{0}")]
     Scan(#[source] ScanError),
+    /// A film as made cannot be scanned.
+    #[error("{0}")]
+    SampleScan(#[source] SampleScanError),
     /// A scan cannot be diagnosed.
     #[error("{0}")]
     Diagnosis(#[source] DiagnosisError),

@@ -3,6 +3,7 @@
 //!
 //! * [`fit_scan`]: strength, offset, rotation and start of a measured scan, a [`ScanFit`].
 //! * [`ScanPositions`]: the grid of a scan, its gaps and repeated positions.
+//! * [`SampleScan`]: the scan of a film as made, computed to try the others.
 //! * [`ScanDiagnosis`]: the weak, turned or displaced tiles, a [`Diagnosis`].
 //!
 //! A fit has ten unknowns and reports the combinations that a scan does not determine. A diagnosis
@@ -30,6 +31,8 @@ mod least_squares;
 mod parameters;
 /// The positions of a scan.
 mod positions;
+/// Computed scans of films as made.
+mod sample_scan;
 /// Exchanged and reversed axes.
 mod signed_axes;
 /// Where a fit starts.
@@ -45,4 +48,5 @@ pub use fit_error::ScanError;
 pub use least_squares::ScanFit;
 pub use parameters::{FreeParameters, ScanParameter, ScanParameters};
 pub use positions::ScanPositions;
+pub use sample_scan::{SampleScan, SampleScanError};
 pub use signed_axes::SignedAxes;

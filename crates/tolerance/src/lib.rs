@@ -3,6 +3,7 @@
 //! sensors.
 //!
 //! * [`RealFilm`]: a film with random errors, and its samples.
+//! * [`FilmSample`]: one sample, with the pose of the film, its surroundings and its sensor.
 //! * [`Sampler`]: sample number i, which depends on a seed and on i alone, and its errors.
 //! * [`FirstOrder`]: errors to first order, by exact derivatives: shares of causes and tiles
 //!   without samples, and a check of their validity.
@@ -28,6 +29,8 @@ mod draws;
 mod endless;
 /// The figures of a film over its working volume.
 mod evaluation_grid;
+/// One sample with its surroundings.
+mod film_sample;
 /// Errors to first order.
 mod first_order;
 /// Columns as combinations of a few orthonormal ones.
@@ -50,6 +53,7 @@ mod weakening;
 pub use budget::{AxisBudget, Budget, Halving};
 pub use endless::{EndlessPattern, EndlessPatternError};
 pub use evaluation_grid::{EvaluationGrid, SampleError};
+pub use film_sample::FilmSample;
 pub use first_order::{
     AxisCheck, AxisErrors, Cause, Contribution, ErrorSource, ErrorTerm, FirstOrder, FirstOrderCheck, Share,
     TileChanges, TileResponse,

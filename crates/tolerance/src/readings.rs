@@ -3,6 +3,7 @@
 
 use glam::{DQuat, DVec3};
 use magsplice_layout::CommonErrors;
+use magsplice_magnet::HallSensor;
 
 use crate::draws::Draws;
 
@@ -111,13 +112,34 @@ impl Surroundings {
         values
     }
 
+    /// The strength of all tiles after the reading at the reference point, relative to the strength
+    /// before.
+    pub(crate) fn strength(&self) -> f64 {
+        1.0 + self.warming
+    }
+
+    /// The uniform field after the reading at the reference point.
+    pub(crate) fn stray_field_t(&self) -> DVec3 {
+        self.stray_field_t
+    }
+
+    /// A sensor with the errors of these readings. It turns about its own axes.
+    pub(crate) fn sensor(&self, ordered: &HallSensor) -> HallSensor {
+        HallSensor {
+            rotation: (ordered.rotation * self.sensor_turn).normalize(),
+            gain: ordered.gain * self.gain,
+            offset_t: ordered.offset_t + self.offset_t,
+            ..*ordered
+        }
+    }
+
     /// The reading of the sensor, in tesla, without noise. `film_t` is the field of the film in its
     /// own frame, `neighbour_t` the field of its neighbour. The first reading, at the reference
     /// point, lacks later contributions.
     pub(crate) fn reading_t(&self, film_t: DVec3, neighbour_t: DVec3, is_first: bool) -> DVec3 {
         let mut b_t = self.pose.rotation() * film_t;
         if !is_first {
-            b_t *= 1.0 + self.warming;
+            b_t *= self.strength();
         }
         if !(is_first && self.neighbour_later) {
             b_t += neighbour_t;

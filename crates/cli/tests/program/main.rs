@@ -36,6 +36,7 @@ mod recoil;
 mod report;
 #[cfg(feature = "report")]
 mod report_pair_watch;
+mod sampled_scan;
 mod scan;
 mod sensor;
 mod splice;

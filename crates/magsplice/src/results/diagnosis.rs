@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 use magsplice_field::Scene;
 use magsplice_layout::{FilmTolerance, Layout};
-use magsplice_magnet::{Quantity, TileError};
+use magsplice_magnet::{Quantity, Tile, TileError};
 use magsplice_scan::{
     Candidate, DetectedError, Diagnosis, DiagnosisError, DiagnosisSettings, ErrorKind, Exclusion, FieldScan,
     FreeParameters, NarrowedError, ScanDiagnosis,
@@ -278,10 +278,7 @@ impl FilmDiagnosis {
     /// ordered and are omitted; so are the errors of its tiles, which are now known. The history
     /// contains `scan`, the name of the scan, and `program`, the name of the program.
     pub fn found_layout(&self, original: &Layout, scan: &str, program: &str) -> Layout {
-        let mut layout = original.clone().with_made_tiles(&self.diagnosis.tiles);
-        layout.tolerance =
-            layout.tolerance.map(|tolerance| FilmTolerance { tiles: Vec::new(), groups: Vec::new(), ..tolerance });
-        layout.tolerance = layout.tolerance.filter(|tolerance| *tolerance != FilmTolerance::default());
+        let mut layout = made_layout(original, &self.diagnosis.tiles);
         let faulty: Vec<String> = self.faulty.iter().map(|of| format!("{} {}", of.tile, of.words)).collect();
         layout.history.push(format!(
             "{program}: from \"{}\" (sha256 {}) by {scan}: {}",
@@ -291,6 +288,15 @@ impl FilmDiagnosis {
         ));
         layout
     }
+}
+
+/// The layout with these tiles, whose errors are now known and omitted.
+pub(super) fn made_layout(original: &Layout, tiles: &[Tile]) -> Layout {
+    let mut layout = original.clone().with_made_tiles(tiles);
+    layout.tolerance =
+        layout.tolerance.map(|tolerance| FilmTolerance { tiles: Vec::new(), groups: Vec::new(), ..tolerance });
+    layout.tolerance = layout.tolerance.filter(|tolerance| *tolerance != FilmTolerance::default());
+    layout
 }
 
 /// An error in words, with its magnitude.

@@ -50,6 +50,8 @@ mod polynomial;
 mod readings;
 /// The displacements that noise lets a sensor see.
 mod resolution;
+/// Computed scans of films as made.
+mod sampled_scan;
 /// Samples of films as made, and their statistics.
 mod samples;
 /// A measured scan, fitted.
@@ -85,6 +87,7 @@ pub use point_decoupling::{FilmPointDecoupling, FilmPointEvaluation, Omitted};
 pub use polynomial::SensorPolynomial;
 pub use readings::{AtRest, FilmReadings};
 pub use resolution::{FilmResolution, ResolutionSummary};
+pub use sampled_scan::SampledScan;
 pub use samples::{FilmSampling, SampleRun, SampledFigure, SampledFilm, in_stretches};
 pub use scan::{ExcludedReadings, FilmScan, ScanUniformity};
 pub use significant::{number, rounded_beside, twelve_digits};

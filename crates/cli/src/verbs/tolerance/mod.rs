@@ -27,12 +27,15 @@ use crate::session::Session;
 
 /// The journal of a run: every sample as soon as it is known.
 mod journal;
+/// One film as made, and its scan.
+mod sample;
 /// Tables of the figures of samples.
 mod sample_file;
 /// Statistics of samples as tables.
 pub(super) mod text;
 
 use journal::Journal;
+use sample::SampleArgs;
 use sample_file::{MAX_SAMPLES, SampleFormat};
 
 /// Evaluate films as made: random samples with the errors of the table [tolerance].
@@ -56,10 +59,11 @@ use sample_file::{MAX_SAMPLES, SampleFormat};
     magsplice tolerance layouts/designed-stock.toml --preset jig --sorted --spares 14 --strength-error 0.5% \
     --direction-error 0.3deg --samples 200\n  \
     magsplice tolerance film.toml --samples 100000 --first 25000 --count 25000 --save part-2.csv\n  \
-    magsplice tolerance merge film.toml part-*.csv --save samples.parquet")]
+    magsplice tolerance merge film.toml part-*.csv --save samples.parquet\n  \
+    magsplice tolerance sample film.toml --index 7 --scan scan.csv -o made.toml")]
 pub(crate) struct ToleranceArgs {
     #[command(subcommand)]
-    merge: Option<ToleranceVerb>,
+    verb: Option<ToleranceVerb>,
     /// Layout file
     #[arg(required = true)]
     layout: Option<PathBuf>,
@@ -99,6 +103,7 @@ struct ToleranceResultArgs {
 #[derive(Subcommand)]
 enum ToleranceVerb {
     Merge(MergeArgs),
+    Sample(SampleArgs),
 }
 
 /// Join parts of the samples of a layout. The result equals a single run to the last bit.
@@ -118,8 +123,10 @@ struct MergeArgs {
 }
 
 pub(crate) fn run(args: &ToleranceArgs, quiet: bool) -> Result<u8, Failure> {
-    if let Some(ToleranceVerb::Merge(args)) = &args.merge {
-        return merge(args, quiet).map(|()| 0);
+    match &args.verb {
+        Some(ToleranceVerb::Merge(args)) => return merge(args, quiet).map(|()| 0),
+        Some(ToleranceVerb::Sample(args)) => return sample::run(args, quiet).map(|()| 0),
+        None => {}
     }
     let path = args.layout.as_deref().unwrap_or(Path::new(""));
     let mut session = Session::begin(path, remarks::OF_COMPARISONS, quiet, ProgressLine::start_search(!quiet))?;
@@ -210,6 +217,11 @@ pub(super) fn sampling_failure(session: &Session, error: FilmError) -> Failure {
 /// Refuses a layout without the errors of films as made.
 pub(super) fn require_errors(session: &Session) -> Result<(), Failure> {
     session.require_film(true, "tolerance", "evaluates films as made")?;
+    require_tolerance(session)
+}
+
+/// Refuses a layout without [tolerance].
+fn require_tolerance(session: &Session) -> Result<(), Failure> {
     if session.layout.tolerance.is_some() {
         return Ok(());
     }
