@@ -95,11 +95,7 @@ class Result:
     def __eq__(self, other: object) -> bool:
         if type(other) is not type(self):
             return NotImplemented
-        pairs = zip(vars(self).values(), vars(other).values(), strict=True)
-        return all(
-            np.array_equal(a, b, equal_nan=True) if isinstance(a, np.ndarray) else a == b
-            for a, b in pairs
-        )
+        return _are_equal(vars(self), vars(other))
 
     def __hash__(self) -> int:
         return hash(str(self.__dict__["_json"]))
@@ -115,6 +111,17 @@ class Result:
 
     def _shown(self) -> Iterator[tuple[str, Any]]:
         return lines(self.__dict__["_json"])
+
+
+def _are_equal(one: Any, other: Any) -> bool:
+    """Whether values are equal, with the arrays in them. NaN is equal to NaN in an array."""
+    if isinstance(one, np.ndarray):
+        return np.array_equal(one, other, equal_nan=True)
+    if isinstance(one, dict) and isinstance(other, dict):
+        return one.keys() == other.keys() and all(_are_equal(one[key], other[key]) for key in one)
+    if isinstance(one, (list, tuple)) and type(one) is type(other):
+        return len(one) == len(other) and all(map(_are_equal, one, other))
+    return bool(one == other)
 
 
 def lines(numbers: Mapping[str, Any], place: str = "") -> Iterator[tuple[str, str]]:
