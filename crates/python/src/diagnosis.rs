@@ -1,13 +1,13 @@
 //! Faulty tiles of a film as made.
 
 use magsplice::magnet::TileError;
-use magsplice::scan::FreeParameters;
 use magsplice::sensor::Noise;
 use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
 
 use crate::film::{Film, run};
 use crate::results::{WithArrays, with_arrays};
+use crate::scan::free_parameters;
 use crate::vectors::{numbers, vectors};
 
 /// The diagnosis of a scan, with the errors of each tile by their keys. `fit` lists the parameters
@@ -30,13 +30,7 @@ pub(crate) fn diagnose<'py>(
     if as_ordered {
         layout.tolerance = None;
     }
-    let fitted = |name: &str| fit.iter().any(|word| word == name);
-    let free = FreeParameters {
-        strength: fitted("strength"),
-        offset: fitted("offset"),
-        rotation: fitted("rotation"),
-        start: fitted("start"),
-    };
+    let free = free_parameters(&fit);
     let noise = noise_t.map(|deviation_t| Noise { deviation_t: deviation_t.into() });
     let film = film.with_tables(py, layout)?;
     let indices: Vec<u64> = (0..points.len() as u64).collect();

@@ -42,6 +42,8 @@ mod report;
 mod results;
 /// Samples of films as made.
 mod samples;
+/// Measured and computed scans.
+mod scan;
 /// Tiles prepared for evaluation.
 mod scene;
 /// Searches for films.
@@ -77,13 +79,15 @@ mod _magsplice {
     #[pymodule_export]
     use crate::forces::forces;
     #[pymodule_export]
-    use crate::readings::{read, resolution};
+    use crate::readings::{calibrate, read, resolution};
     #[pymodule_export]
     use crate::recoil::{recoil, recoil_estimate};
     #[pymodule_export]
     use crate::report::{layout_figure, layout_svg, report, view};
     #[pymodule_export]
     use crate::samples::{sampled, samples, statistics};
+    #[pymodule_export]
+    use crate::scan::{sample, scan};
     #[pymodule_export]
     use crate::scene::{Scene, grid_axes};
     #[pymodule_export]

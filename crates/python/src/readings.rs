@@ -1,13 +1,14 @@
-//! Positions and forces from readings of a sensor.
+//! Positions and forces from readings of a sensor, and the stiffness of its elastic layer.
 
 use glam::DVec3;
 use magsplice::FilmError;
-use magsplice::results::AtRest;
+use magsplice::results::{AtRest, FilmReadings};
 use magsplice::sensor::{LocateError, Located, Noise};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 
+use crate::exceptions::of_film;
 use crate::film::Film;
 use crate::results::{WithArrays, with_arrays};
 use crate::vectors::{rows_of, vectors};
@@ -25,14 +26,7 @@ pub(crate) fn read<'py>(
     zero_t: Option<PyReadonlyArray2<'py, f64>>,
     rest_t: Option<PyReadonlyArray2<'py, f64>>,
 ) -> PyResult<WithArrays<'py>> {
-    let readings_t = vectors(&readings_t)?;
-    let at_rest = match (zero_t.as_ref().map(vectors).transpose()?, rest_t.as_ref().map(vectors).transpose()?) {
-        (_, Some(rest_t)) => AtRest::Rest(rest_t),
-        (Some(zero_t), None) => AtRest::Zero(zero_t),
-        (None, None) => AtRest::Constant(constant_t.into()),
-    };
-    let noise = noise_t.map(noise_of);
-    let read = film.run(py, |film| film.read(readings_t, at_rest, noise))?;
+    let read = located(py, film, &readings_t, noise_t, constant_t, [zero_t, rest_t])?;
     let rows = |vectors: Option<Vec<DVec3>>| vectors.map(|vectors| rows_of(py, &vectors)).into_bound_py_any(py);
     let message =
         |found: &Result<Located, LocateError>| found.as_ref().err().map_or(String::new(), ToString::to_string);
@@ -46,6 +40,51 @@ pub(crate) fn read<'py>(
         ("messages", messages.into_bound_py_any(py)?),
     ];
     with_arrays(py, &read, more)
+}
+
+/// The positions of readings. `at_rest` are the readings `zero` and `rest`.
+fn located(
+    py: Python<'_>,
+    film: &Film,
+    readings_t: &PyReadonlyArray2<'_, f64>,
+    noise_t: Option<[f64; 3]>,
+    constant_t: [f64; 3],
+    at_rest: [Option<PyReadonlyArray2<'_, f64>>; 2],
+) -> PyResult<FilmReadings> {
+    let readings_t = vectors(readings_t)?;
+    let [zero_t, rest_t] = at_rest.each_ref().map(|of| of.as_ref().map(vectors).transpose());
+    let at_rest = match (zero_t?, rest_t?) {
+        (_, Some(rest_t)) => AtRest::Rest(rest_t),
+        (Some(zero_t), None) => AtRest::Zero(zero_t),
+        (None, None) => AtRest::Constant(constant_t.into()),
+    };
+    let noise = noise_t.map(noise_of);
+    film.run(py, |film| film.read(readings_t, at_rest, noise))
+}
+
+/// The stiffness of the elastic layer from forces in newton and readings, the displacements of the
+/// film, and remarks. The other arguments are those of [`read`].
+#[pyfunction]
+pub(crate) fn calibrate<'py>(
+    py: Python<'py>,
+    film: &Film,
+    forces_n: PyReadonlyArray2<'py, f64>,
+    readings_t: PyReadonlyArray2<'py, f64>,
+    constant_t: [f64; 3],
+    zero_t: Option<PyReadonlyArray2<'py, f64>>,
+    rest_t: Option<PyReadonlyArray2<'py, f64>>,
+) -> PyResult<(WithArrays<'py>, Vec<String>)> {
+    let read = located(py, film, &readings_t, None, constant_t, [zero_t, rest_t])?;
+    let forces_n = vectors(&forces_n)?;
+    let indices: Vec<u64> = (0..forces_n.len() as u64).collect();
+    let found = read.calibrate(forces_n, &indices).map_err(of_film)?;
+    // The film moves in the direction opposite to the sensor.
+    let moved_mm = |sensor_mm: &[DVec3]| rows_of(py, &sensor_mm.iter().map(|moved| -*moved).collect::<Vec<DVec3>>());
+    let more = [
+        ("film_mm", moved_mm(&read.displacement_mm()).into_any()),
+        ("closed_form_mm", read.closed_form_mm.as_deref().map(moved_mm).into_bound_py_any(py)?),
+    ];
+    Ok((with_arrays(py, &found, more)?, found.remarks()))
 }
 
 fn noise_of(deviation_t: [f64; 3]) -> Noise {

@@ -254,9 +254,9 @@ def test_spliced_films_have_a_preset_and_a_sensor():
     film = magsplice.pattern(8, (7, 7), preset="jig", sensor="MLX90393")
     assert "[tolerance]" in film.to_toml()
     assert 'part = "MLX90393"' in film.to_toml()
-    with pytest.raises(ValueError, match="preset = \"desk\", must be"):
+    with pytest.raises(ValueError, match='preset = "desk", must be'):
         magsplice.pattern(8, (7, 7), preset="desk")
-    with pytest.raises(ValueError, match="sensor = \"MLX\", must be one of: LIS3MDL, "):
+    with pytest.raises(ValueError, match='sensor = "MLX", must be one of: LIS3MDL, '):
         magsplice.pattern(8, (7, 7), sensor="MLX")
 
 

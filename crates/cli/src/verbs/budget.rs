@@ -11,7 +11,7 @@ use magsplice::tolerance::Estimate;
 #[cfg(feature = "report")]
 use magsplice_report::budget_figure;
 
-use super::tolerance::require_errors;
+use super::tolerance::sampling::require_errors;
 use crate::args::formats::ResultArgs;
 use crate::args::numbers::{seed, whole};
 use crate::args::preset::PresetArgs;

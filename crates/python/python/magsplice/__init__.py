@@ -49,6 +49,10 @@ Film.sweep
     Results for several values of a parameter.
 Film.assign
     The place and orientation of each measured tile.
+Film.calibrate
+    The stiffness of the elastic layer, from forces and readings.
+Film.scan, Film.sample
+    Measured scans against the film, and computed scans of films as made.
 Film.diagnose
     Faulty tiles of a film as made, from a scan of its field.
 Film.design, Film.front
@@ -65,9 +69,10 @@ Self-Decoupled Magnetic Tactile Sensor", Magnetochemistry 2024, 10(1), 6, here "
 from magsplice import errors, plot
 from magsplice._assignment import MeasuredTile, PlacedTile, Shim
 from magsplice._budget import Budget, BudgetPart, Improvement
+from magsplice._calibration import Calibration, Stiffness
 from magsplice._check import Check, Outcome
 from magsplice._comparison import Comparison, Decoupling
-from magsplice._diagnosis import Diagnosis, ExcludedReadings, FaultyTile, SensorPlacement
+from magsplice._diagnosis import Diagnosis, FaultyTile
 from magsplice._experiment import Experiment
 from magsplice._figures import Estimate, Figures, Statistics
 from magsplice._film import Assignment, Design, Film, Front
@@ -81,6 +86,14 @@ from magsplice._recoil import Recoil, RecoilEstimate
 from magsplice._report import Figure, Page, Report
 from magsplice._results import PerAxis, PerParameter, Result
 from magsplice._samples import SampledFilm, Samples, statistics
+from magsplice._scan import (
+    ExcludedReadings,
+    FittedScan,
+    SampledScan,
+    Scan,
+    ScanUniformity,
+    SensorPlacement,
+)
 from magsplice._search import Metrics
 from magsplice._sensor import Readings
 from magsplice._sweep import Sweep
@@ -89,6 +102,7 @@ from magsplice.errors import (
     LayoutFault,
     LayoutWarning,
     MagspliceError,
+    MeasurementWarning,
     PointFault,
     PointsError,
 )
@@ -97,6 +111,7 @@ __all__ = [
     "Assignment",
     "Budget",
     "BudgetPart",
+    "Calibration",
     "Check",
     "Comparison",
     "Decoupling",
@@ -109,6 +124,7 @@ __all__ = [
     "Figure",
     "Figures",
     "Film",
+    "FittedScan",
     "Forces",
     "Front",
     "Grid",
@@ -120,6 +136,7 @@ __all__ = [
     "LayoutWarning",
     "MagspliceError",
     "MeasuredTile",
+    "MeasurementWarning",
     "Metrics",
     "Outcome",
     "Page",
@@ -137,10 +154,14 @@ __all__ = [
     "Report",
     "Result",
     "SampledFilm",
+    "SampledScan",
     "Samples",
+    "Scan",
+    "ScanUniformity",
     "SensorPlacement",
     "Shim",
     "Statistics",
+    "Stiffness",
     "Sweep",
     "Tile",
     "Tiles",

@@ -9,10 +9,10 @@ import numpy as np
 from magsplice._arrow import Column, Table
 from magsplice._layout import Floats, Vector
 from magsplice._results import Result, key
+from magsplice._scan import ExcludedReadings, FittedScan, SensorPlacement
 from magsplice._source import OfFilm
 
 Kind = Literal["strength", "turn", "direction", "displacement"]
-Unknown = Literal["strength", "offset", "rotation", "start"]
 
 
 class Suspect(Result):
@@ -44,34 +44,6 @@ class FaultyTile(Result):
         "Tiles and kinds that in its place explain the readings nearly as well, the best first.",
         Suspect,
     )
-
-
-class FittedScan(Result):
-    """Fitted parameters of a scan."""
-
-    strength: float = key("Strength of all tiles, relative to the layout.")
-    offset_t: Vector = key("Constant reading, in tesla.")
-    rotation_deg: Vector = key("Rotation vector of the sensor, in degrees.")
-    start_mm: Vector = key("Position of the sensor at the origin of the scan, in millimetres.")
-
-
-class ExcludedReadings(Result):
-    """Indices of the readings that a fit does not use."""
-
-    incomplete: list[int] = key("Readings with a missing component.")
-    saturated: list[int] = key("Readings at the limit of the sensor's range.")
-    outliers: list[int] = key("Readings that contradict the fit of the others.")
-
-
-class SensorPlacement(Result):
-    """Axes and place of a sensor whose readings the film as ordered explains."""
-
-    sensor_axes: list[str] = key(
-        "Component of the field that the sensor reads as x, y, z, such as ``-y`` for a reversed y."
-    )
-    stage_axes: list[str] = key("The same for the positions.")
-    fitted: FittedScan = key("Fitted parameters of the scan.", FittedScan)
-    residual_t: float = key("Standard deviation of the residuals of one component, in tesla.")
 
 
 class Diagnosis(OfFilm, Table):

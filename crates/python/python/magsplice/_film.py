@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -15,7 +15,6 @@ from numpy.typing import ArrayLike
 from magsplice import _cluster, _findings, _html, _magsplice, _toml
 from magsplice._arguments import LARGEST_SEED, one_of, whole
 from magsplice._arrow import Column, Table, split
-from magsplice._assembly import Assembly
 from magsplice._assignment import (
     MOST_STARTS,
     MeasuredTile,
@@ -28,8 +27,6 @@ from magsplice._assignment import (
 from magsplice._budget import Budget
 from magsplice._check import Check, read_baseline
 from magsplice._comparison import Comparison, Decoupling
-from magsplice._diagnosis import Diagnosis, Unknown
-from magsplice._experiment import Experiment, bend_of
 from magsplice._figures import Statistics
 from magsplice._forces import Forces, steps_of
 from magsplice._layout import (
@@ -43,8 +40,6 @@ from magsplice._layout import (
     Vector,
     Volume,
     table_of,
-    three_of,
-    vector,
 )
 from magsplice._magpylib.collection import to_magpylib
 from magsplice._parts import Parts
@@ -54,7 +49,7 @@ from magsplice._report import VIEW_PX, Figure, Page, Report, film_html, view_htm
 from magsplice._results import Result, key
 from magsplice._samples import Preset, Samples
 from magsplice._search import MadeFilms, Metrics, OutOfRange, SearchStage
-from magsplice._sensor import Readings, at_rest, noise_of
+from magsplice._sensed import Sensed
 from magsplice._source import OfFilm
 from magsplice._sweep import Sweep, values_of
 from magsplice.errors import LayoutError, MagspliceError
@@ -70,7 +65,7 @@ _MOST_SAMPLES = 10_000_000
 _MOST_THREADS = 65_535
 
 
-class Film(Assembly):
+class Film(Sensed):
     """A spliced film, or any other arrangement of block magnets, with its exact field.
 
     Lengths are in millimetres, flux density B and polarization J in tesla, field strength H in
@@ -689,156 +684,6 @@ class Film(Assembly):
             chosen = order if order in ("given", "least") else steps_of(order, self.tiles.names)
         return Forces(_magsplice.forces(self, turned_error, chosen, seed))
 
-    def read(
-        self,
-        readings_t: ArrayLike,
-        *,
-        noise_t: float | Sequence[float] | None = None,
-        constant_t: Sequence[float] = (0.0, 0.0, 0.0),
-        zero: ArrayLike | None = None,
-        rest: ArrayLike | None = None,
-    ) -> Readings:
-        """Displacements and forces from the readings of a Hall sensor below the film.
-
-        The exact field and its gradient give the positions. Errors of the positions are errors of
-        the field, 2e-14 of the sum over tiles, over its gradient.
-
-        Parameters
-        ----------
-        readings_t : array_like of shape (..., 3)
-            Readings of the sensor of ``[sensor]``, in tesla; without this table the sensor is a
-            point that reads B.
-        noise_t : float or sequence of 3 floats, optional
-            Standard deviation of a reading along each axis, in tesla. Default: the noise of
-            ``[sensor]``.
-        constant_t : sequence of 3 floats
-            Part of every reading in addition to the film's field, in tesla, such as a stray field.
-        zero : array_like of shape (..., 3), optional
-            Readings of the sensor at rest at the reference point, in tesla. The difference of their
-            mean from the field there is subtracted from all readings. Excludes `constant_t`.
-        rest : array_like of shape (..., 3), optional
-            Readings of the sensor at rest, in tesla, in the field of the film alone. Displacements
-            count from their position. Excludes `constant_t` and `zero`.
-
-        Returns
-        -------
-        Readings
-            Displacements from the reference point, with standard deviations if the noise is known,
-            and forces if the layout has an ``[elastomer]``.
-
-        Raises
-        ------
-        MagspliceError
-            If the sensor cannot read the field, or the mean of `rest` has no position.
-        ValueError
-            If more than one of `constant_t`, `zero` and `rest` is given, one has no readings or
-            readings that are not finite, or a noise is not above 0.
-        """
-        flat, shape = flattened(readings_t)
-        x, y, z = (float(value) for value in constant_t)
-        if not np.isfinite((x, y, z)).all():
-            raise ValueError(f"constant_t = {constant_t}, must be finite numbers")
-        if sum([any((x, y, z)), zero is not None, rest is not None]) > 1:
-            raise ValueError("more than one of constant_t, zero and rest is given; give one")
-        numbers, more = _magsplice.read(
-            self,
-            flat,
-            noise_of(noise_t),
-            (x, y, z),
-            None if zero is None else at_rest("zero", zero),
-            None if rest is None else at_rest("rest", rest),
-        )
-        return Readings(numbers, **shaped(more, shape))
-
-    def experiment(
-        self,
-        step_mm: float | Sequence[float] = (0.5, 0.5, 1.0),
-        *,
-        seed: int | None = None,
-        shift_mm: Sequence[float] = (0.0, 0.0, 0.0),
-        rotation_deg: Sequence[float] = (0.0, 0.0, 0.0),
-        bend_radius_mm: float | None = None,
-        bend_along: Literal["x", "y"] = "x",
-        heights_mm: ArrayLike | None = None,
-    ) -> Experiment:
-        """Readings of the sensor while the film moves, as in ``magsplice experiment``.
-
-        The film moves by multiples of a step along x, then y, then z, as far as the sensor stays in
-        the working volume (Dai 2024, Fig. 9). The film that moves may differ from the layout: it
-        may be bent, then turned about its centre, then shifted.
-
-        Parameters
-        ----------
-        step_mm : float or (x, y, z)
-            Step along each axis, in millimetres.
-        seed : int, optional
-            Seed of the noise of ``[sensor]``. Default: readings without noise.
-        shift_mm : (x, y, z)
-            Shift of the film, in millimetres.
-        rotation_deg : (x, y, z)
-            Rotation vector of the film, in degrees.
-        bend_radius_mm : float, optional
-            Bending radius, in millimetres; with a positive radius the ends of the film rise away
-            from the sensor. Default: flat.
-        bend_along : {"x", "y"}
-            Axis along which the film is bent.
-        heights_mm : array_like of shape (..., 3), optional
-            Heights of the film above its flat shape as points x, y, z on a full grid, in
-            millimetres. Excludes `bend_radius_mm`.
-
-        Raises
-        ------
-        ValueError
-            If the film cannot have this shape.
-        MagspliceError
-            If the layout has no working volume, or no noise for `seed`, a step is not above 0 or
-            makes more than 100 000 steps, or the sensor cannot read the field.
-        """
-        numbers, quantities = _magsplice.experiment(
-            self,
-            vector("step_mm", np.broadcast_to(np.asarray(step_mm, dtype=float), 3)),
-            None if seed is None else whole("seed", seed, 0),
-            vector("shift_mm", shift_mm),
-            vector("rotation_deg", rotation_deg),
-            bend_of(bend_radius_mm, bend_along, heights_mm),
-        )
-        return Experiment(numbers, quantities)
-
-    def resolution(
-        self,
-        points: ArrayLike | Grid | None = None,
-        *,
-        noise_t: float | Sequence[float] | None = None,
-    ) -> Floats:
-        """Standard deviations of the position from one reading, in millimetres.
-
-        The shape is (..., 3). No unbiased estimate from one reading has smaller deviations (the
-        bound of Cramér and Rao).
-
-        Parameters
-        ----------
-        points : array_like of shape (..., 3), or Grid, optional
-            Points in millimetres. Default: the grid of the working volume.
-        noise_t : float or sequence of 3 floats, optional
-            Standard deviation of a reading along each axis, in tesla. Default: the noise of
-            ``[sensor]``.
-
-        Raises
-        ------
-        ValueError
-            If neither `noise_t` nor the layout gives a noise, or a noise is not above 0.
-        MagspliceError
-            If the sensor cannot read the field.
-        """
-        flat, shape = flattened(self._required_grid() if points is None else points)
-        found = _magsplice.resolution(self, flat, noise_of(noise_t))
-        if found is None:
-            raise ValueError(
-                "noise_t is missing and the layout has no [sensor] with noise: "
-                "give noise_t in tesla, such as 5e-6"
-            )
-        return found.reshape(*shape, 3)
-
     def assign(
         self,
         measured: Iterable[MeasuredTile],
@@ -914,63 +759,6 @@ class Film(Assembly):
         )
         film = film_of_text(text, "the assigned film", self._source[-1])
         return Assignment(numbers, film=film)
-
-    def diagnose(
-        self,
-        points_mm: ArrayLike,
-        readings_t: ArrayLike,
-        *,
-        noise_t: float | Sequence[float] | None = None,
-        preset: Preset | None = None,
-        as_ordered: bool = False,
-        fit: Collection[Unknown] = (),
-        false_alarm: float = 0.002,
-    ) -> Diagnosis:
-        """Weak, turned or displaced tiles, from a scan of the field near the film.
-
-        An error is reported if neither the noise nor the expected errors of tiles explain it, as in
-        ``magsplice diagnose``. Recoil adds the same field as in the film as ordered.
-
-        Parameters
-        ----------
-        points_mm : array_like of shape (..., 3)
-            Positions of the scan in the frame of the film, in millimetres.
-        readings_t : array_like of shape (..., 3)
-            Readings of the sensor of ``[sensor]`` there, in tesla; without this table, B.
-        noise_t : float or sequence of 3 floats, optional
-            Standard deviation of a reading along each axis, in tesla. Default: the noise of
-            ``[sensor]``.
-        preset : {"by-hand", "workshop", "jig"}, optional
-            Expected errors of every tile, instead of ``[tolerance]``.
-        as_ordered : bool
-            Whether to ignore ``[tolerance]``: other tiles count as exactly as ordered.
-        fit : collection of {"strength", "offset", "rotation", "start"}
-            Unknown parameters of the scan, to be fitted: the strength of all tiles, a constant
-            reading, the rotation of the sensor, its position at the origin of the scan.
-        false_alarm : float
-            Probability that a tile of a fault-free film is reported.
-
-        Raises
-        ------
-        ValueError
-            If the numbers of readings and points differ, `fit` has another word, or `preset` and
-            `as_ordered` are both given.
-        MagspliceError
-            If the noise is unknown, or the scan cannot be diagnosed.
-        """
-        points, _ = flattened(points_mm)
-        readings, _ = flattened(readings_t)
-        if len(points) != len(readings):
-            raise ValueError(f"{len(readings)} readings for {len(points)} points, must be as many")
-        if isinstance(fit, str):
-            raise ValueError(f"fit = {fit!r}, must be a list of words")
-        words = [one_of("fit", word, ("strength", "offset", "rotation", "start")) for word in fit]
-        if preset is not None and as_ordered:
-            raise ValueError("preset and as_ordered are both given: give one of them")
-        numbers, errors = _magsplice.diagnose(
-            self, points, readings, three_of(noise_t), preset, as_ordered, words, false_alarm
-        )
-        return Diagnosis(numbers, names=self.tiles.names, errors=errors)
 
     def design(
         self,
@@ -1286,8 +1074,8 @@ class Design(Result):
     parts: int = key("Number of distinct parts.")
     starts_that_agree: int = key("Number of starts with an error within a tenth of the best.")
     short_of: list[str] = key(
-        """Demands that the film does not meet, among them an error of at most a tenth of the travel.
-        Empty if it meets all."""
+        """Demands that the film does not meet, among them an error of at most a tenth of the
+        travel. Empty if it meets all."""
     )
     out_of_range: OutOfRange | None = key(
         "Readings beyond the range of the sensor; None if all are within it.", OutOfRange

@@ -1,4 +1,4 @@
-"""Warnings about properties of layouts that are usually a mistake."""
+"""Warnings about properties of layouts and measurements that are usually a mistake."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import warnings
 from collections.abc import Collection
 
 from magsplice._magsplice import Film
-from magsplice.errors import LayoutWarning
+from magsplice.errors import LayoutWarning, MeasurementWarning
 
 #: Largest number of findings of a warning.
 _MOST_SHOWN = 5
@@ -22,6 +22,13 @@ def warn(film: Film, known: Collection[str] = ()) -> None:
     if len(found) > _MOST_SHOWN:
         shown.append(f"and {len(found) - _MOST_SHOWN} more, listed by film.findings")
     warnings.warn("\n".join(shown), LayoutWarning, stacklevel=_frames_of_package())
+
+
+def warn_of_measurement(film: Film, remarks: Collection[str]) -> None:
+    """One warning with remarks about a measurement of a film, at the user's call."""
+    if remarks:
+        text = "\n".join(f"{film.name}: {remark}" for remark in remarks)
+        warnings.warn(text, MeasurementWarning, stacklevel=_frames_of_package())
 
 
 def _frames_of_package() -> int:

@@ -16,6 +16,7 @@ __all__ = [
     "assign",
     "budget",
     "c_header",
+    "calibrate",
     "check",
     "compare",
     "decouple",
@@ -37,8 +38,10 @@ __all__ = [
     "report",
     "resolution",
     "rotated",
+    "sample",
     "sampled",
     "samples",
+    "scan",
     "selected",
     "shifted",
     "statistics",
@@ -153,6 +156,20 @@ def read(
     zero_t: _Floats | None,
     rest_t: _Floats | None,
 ) -> tuple[_Result, _Result]: ...
+def calibrate(
+    film: Film,
+    forces_n: _Floats,
+    readings_t: _Floats,
+    constant_t: _Vector,
+    zero_t: _Floats | None,
+    rest_t: _Floats | None,
+) -> tuple[tuple[_Result, _Result], list[str]]: ...
+def scan(
+    film: Film, points: _Floats, readings_t: _Floats, fit: list[str]
+) -> tuple[tuple[_Result, _Result], dict[str, tuple[list[str], _Floats]], list[str]]: ...
+def sample(
+    film: Film, preset: str | None, seed: int, index: int, points: _Floats
+) -> tuple[tuple[_Result, _Result], str]: ...
 def resolution(film: Film, points: _Floats, noise_t: _Vector | None) -> _Floats | None: ...
 def assign(
     film: Film,

@@ -80,6 +80,19 @@ def at_rest(name: str, readings_t: ArrayLike) -> Floats:
     return flat
 
 
+def constant_or_rest(
+    constant_t: Sequence[float], zero: ArrayLike | None, rest: ArrayLike | None
+) -> tuple[Vector, Floats | None, Floats | None]:
+    """Constant part of readings, and readings at rest. ValueError for more than one of them."""
+    x, y, z = (float(value) for value in constant_t)
+    if not np.isfinite((x, y, z)).all():
+        raise ValueError(f"constant_t = {constant_t}, must be finite numbers")
+    if sum([any((x, y, z)), zero is not None, rest is not None]) > 1:
+        raise ValueError("more than one of constant_t, zero and rest is given; give one")
+    zero_t = None if zero is None else at_rest("zero", zero)
+    return (x, y, z), zero_t, None if rest is None else at_rest("rest", rest)
+
+
 def noise_of(noise_t: float | Sequence[float] | None) -> Vector | None:
     """Standard deviations along x, y, z in tesla. ValueError unless each is above 0."""
     found = three_of(noise_t)

@@ -11,6 +11,7 @@ __all__ = [
     "LayoutFault",
     "LayoutWarning",
     "MagspliceError",
+    "MeasurementWarning",
     "PointFault",
     "PointsError",
 ]
@@ -71,6 +72,10 @@ class LayoutWarning(UserWarning):
     The program prints them as warnings. ``film.findings`` lists all of them.
     ``warnings.simplefilter("error", magsplice.LayoutWarning)`` turns them into exceptions.
     """
+
+
+class MeasurementWarning(UserWarning):
+    """A measurement that is hardly of this film: its signs, units or positions may be wrong."""
 
 
 @dataclass(frozen=True)

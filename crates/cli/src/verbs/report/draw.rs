@@ -93,7 +93,7 @@ impl Drawing<'_> {
 fn samples(session: &Session, film: &Film, text: &mut String) -> Result<Option<FilmSamples>, Failure> {
     let layout = &*session.layout;
     let Layout { tolerance: Some(stated), ideal: Some(_), volume: Some(_), .. } = layout else { return Ok(None) };
-    let failed = |error| tolerance::sampling_failure(session, error);
+    let failed = |error| tolerance::sampling::sampling_failure(session, error);
     let sampling = film.sampling().map_err(failed)?;
     let run = tolerance::sample_run(layout, None, stated.seed, 0, stated.samples);
     let mut errors = Vec::new();

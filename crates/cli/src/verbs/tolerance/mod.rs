@@ -11,7 +11,7 @@ use magsplice::decouple::Figures;
 use magsplice::layout::Layout;
 use magsplice::making::Sorting;
 use magsplice::results::{FilmSampling, SampleRun, SampledFilm, in_stretches};
-use magsplice::{Film, FilmError, Stage};
+use magsplice::{Film, Stage};
 
 use crate::args::formats::ResultArgs;
 use crate::args::numbers::{seed, whole};
@@ -31,12 +31,15 @@ mod journal;
 mod sample;
 /// Tables of the figures of samples.
 mod sample_file;
+/// The errors that films as made need, and failures.
+pub(super) mod sampling;
 /// Statistics of samples as tables.
 pub(super) mod text;
 
 use journal::Journal;
 use sample::SampleArgs;
 use sample_file::{MAX_SAMPLES, SampleFormat};
+use sampling::{require_errors, sample_number, sampling_failure};
 
 /// Evaluate films as made: random samples with the errors of the table [tolerance].
 ///
@@ -76,7 +79,7 @@ pub(crate) struct ToleranceArgs {
     #[arg(long, value_name = "SEED", value_parser = seed)]
     seed: Option<u64>,
     /// Index of the first sample, counted from 0, to compute a part of the samples
-    #[arg(long, value_name = "N", default_value = "0", value_parser = number)]
+    #[arg(long, value_name = "N", default_value = "0", value_parser = sample_number)]
     first: u64,
     /// Number of samples of the part [default: all from the first on]
     #[arg(long, value_name = "N", value_parser = |text: &str| whole(text, 1..=MAX_SAMPLES))]
@@ -204,32 +207,6 @@ pub(super) fn draw(
     })
 }
 
-/// The failure of a film that cannot be sampled.
-pub(super) fn sampling_failure(session: &Session, error: FilmError) -> Failure {
-    let message = match error {
-        FilmError::Sample { error, .. } => error.to_string(),
-        FilmError::Sorting(error) => error.to_string(),
-        error => return session.failed(error),
-    };
-    Failure::at(session.path, message)
-}
-
-/// Refuses a layout without the errors of films as made.
-pub(super) fn require_errors(session: &Session) -> Result<(), Failure> {
-    session.require_film(true, "tolerance", "evaluates films as made")?;
-    require_tolerance(session)
-}
-
-/// Refuses a layout without [tolerance].
-fn require_tolerance(session: &Session) -> Result<(), Failure> {
-    if session.layout.tolerance.is_some() {
-        return Ok(());
-    }
-    let message = "the layout has no [tolerance] table with the errors of films as made: give --preset workshop to \
-                   begin with, or add the table that docs/layout-format.md describes";
-    Err(Failure::at(session.path, message.to_owned()))
-}
-
 pub(super) fn sample_run(layout: &Layout, sorting: Option<&Sorting>, seed: u64, first: u64, count: u64) -> SampleRun {
     SampleRun { film: layout.sample_fingerprint(&sorting), seed, first, count }
 }
@@ -339,9 +316,4 @@ impl<'a> Outputs<'a> {
         let text = self.args.text.format.shown(result, || text::sampled(film, result));
         self.result.complete(&text)
     }
-}
-
-fn number(text: &str) -> Result<u64, String> {
-    let number = text.parse().ok().filter(|n| *n < MAX_SAMPLES);
-    number.ok_or_else(|| format!("must be a whole number below {MAX_SAMPLES}: samples are counted from 0"))
 }

@@ -10,7 +10,7 @@ use magsplice::Film;
 use magsplice::layout::TileForm;
 use magsplice::results::SampledScan;
 
-use super::{number, require_tolerance, sampling_failure};
+use super::sampling::{require_tolerance, sample_number, sampling_failure};
 use crate::args::fit::FitArg;
 use crate::args::formats::{TableFormat, TextOrJson};
 use crate::args::numbers::seed;
@@ -44,7 +44,7 @@ pub(super) struct SampleArgs {
     #[command(flatten)]
     preset: PresetArgs,
     /// Index of the sample, counted from 0
-    #[arg(long, value_name = "K", default_value = "0", value_parser = number)]
+    #[arg(long, value_name = "K", default_value = "0", value_parser = sample_number)]
     index: u64,
     /// Seed of the random numbers [default: the value of [tolerance], else 1]
     #[arg(long, value_name = "SEED", value_parser = seed)]
