@@ -14,7 +14,7 @@ use crate::threads::detached;
 /// A figure: name, caption, SVG, PNG and CSV.
 type Figure<'py> = (&'static str, String, String, Bound<'py, PyBytes>, String);
 
-/// The figures of a film, the page that shows them, and the missing parts of the report. `text` and
+/// The figures of a film, the page that shows them by itself and beside their files, and the missing parts of the report. `text` and
 /// `json` are the results for the page.
 #[pyfunction]
 pub(crate) fn report<'py>(
@@ -24,7 +24,7 @@ pub(crate) fn report<'py>(
     json: &str,
     outlines: bool,
     within: Within,
-) -> PyResult<(Vec<Figure<'py>>, String, Vec<String>)> {
+) -> PyResult<(Vec<Figure<'py>>, [String; 2], Vec<String>)> {
     let layout = &*film.layout;
     let evaluated = film.evaluated(py)?.clone().with_accuracy(accuracy(within)?);
     let samples = match layout {
@@ -39,8 +39,8 @@ pub(crate) fn report<'py>(
     let results = PrintedResults { text, json };
     let svg = if outlines { SvgText::Outlines } else { SvgText::Text };
     let report = detached(py, || Report::new(&evaluated, samples, results, svg))?;
-    let Report { figures, html, absent, .. } = report.map_err(failed)?;
-    Ok((figures.into_iter().map(|drawn| figure(py, drawn)).collect(), html, absent))
+    let Report { figures, html, html_in_folder, absent, .. } = report.map_err(failed)?;
+    Ok((figures.into_iter().map(|drawn| figure(py, drawn)).collect(), [html, html_in_folder], absent))
 }
 
 fn figure(py: Python<'_>, Drawing { name, caption, svg, png, csv, .. }: Drawing) -> Figure<'_> {

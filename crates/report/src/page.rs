@@ -35,7 +35,23 @@ pub struct PrintedResults<'a> {
     pub json: &'a str,
 }
 
-/// The page as HTML. `tiles` are the ones drawn; `absent` says what the report lacks, and why.
+/// A page as HTML that loads no other file.
+#[derive(Clone, Debug)]
+pub(crate) struct Pages {
+    /// For a file by itself.
+    pub(crate) alone: String,
+    /// For a folder with the files of the figures, to which it links.
+    pub(crate) in_folder: String,
+}
+
+impl Pages {
+    /// Both forms of a page. `write` is told whether there are files beside it.
+    pub(crate) fn new(write: impl Fn(bool) -> String) -> Pages {
+        Pages { alone: write(false), in_folder: write(true) }
+    }
+}
+
+/// The page of a film. `tiles` are the ones drawn; `absent` says what the report lacks, and why.
 pub(crate) fn page(
     film: &Film,
     survey: Option<&Survey>,
@@ -43,13 +59,13 @@ pub(crate) fn page(
     figures: &[Drawing],
     absent: &[String],
     results: PrintedResults,
-) -> String {
+) -> Pages {
     let layout = film.layout();
-    let data = page_data_json(tiles, survey);
+    let data = in_script(&page_data_json(tiles, survey));
     let description = layout.description.as_ref().map_or(String::new(), |text| format!("<p>{}</p>\n", escaped(text)));
     let absent: String =
         absent.iter().map(|what| format!("<p class=\"absent\">Absent: {}.</p>\n", escaped(what))).collect();
-    filled(PAGE, &|placeholder| match placeholder {
+    let placed = |placeholder: &str, has_files: bool| match placeholder {
         "head" => head(&escaped(&layout.name), ""),
         "name" => escaped(&layout.name),
         "description" => description.clone(),
@@ -59,11 +75,12 @@ pub(crate) fn page(
         "map" => if survey.is_some() { MAP } else { "" }.to_owned(),
         "numbers" => escaped(results.text),
         "numbers_json" => in_script(results.json),
-        "data" => in_script(&data),
-        "figures" => figures.iter().map(figure_element).collect(),
+        "data" => data.clone(),
+        "figures" => figures.iter().map(|figure| figure_element(figure, figure.name, "", has_files)).collect(),
         "script" => SCRIPTS.concat(),
         _ => unreachable!("{placeholder} is not a placeholder of the page"),
-    })
+    };
+    Pages::new(|has_files| filled(PAGE, &|placeholder| placed(placeholder, has_files)))
 }
 
 /// The elements of the head of a page with this title. `more_style` is CSS that this page alone
@@ -120,15 +137,25 @@ fn facts(film: &Film, survey: Option<&Survey>, drawn: usize) -> String {
     facts.iter().map(|(term, text)| format!("<dt>{term}</dt><dd>{text}</dd>\n")).collect()
 }
 
-fn figure_element(figure: &Drawing) -> String {
-    format!(
-        "<figure id=\"{0}\"><a href=\"{0}.svg\"><img alt=\"{1}\" src=\"{2}\"></a><figcaption>{1} Files beside this \
-         page: <a href=\"{0}.svg\">SVG</a>, <a href=\"{0}.png\">PNG</a>, <a href=\"{0}.csv\">CSV of its \
-         data</a>.</figcaption></figure>\n",
-        figure.name,
-        escaped(&figure.caption),
-        data_url("image/svg+xml", figure.outlined.as_bytes()),
-    )
+/// A figure with its caption. `file` is the name of its files, to which it links if they are beside
+/// the page; `film` tells films apart where there are several.
+pub(crate) fn figure_element(figure: &Drawing, file: &str, film: &str, has_files: bool) -> String {
+    let caption = escaped(&figure.caption);
+    let [alt, strong] = if film.is_empty() {
+        [String::new(), String::new()]
+    } else {
+        [format!("{film}: "), format!("<strong>{film}</strong> ")]
+    };
+    let image =
+        format!("<img alt=\"{alt}{caption}\" src=\"{}\">", data_url("image/svg+xml", figure.outlined.as_bytes()));
+    let [image, links] = if has_files {
+        let link = |ending: &str, text: &str| format!("<a href=\"{file}.{ending}\">{text}</a>");
+        let [svg, png, csv] = [("svg", "SVG"), ("png", "PNG"), ("csv", "CSV of its data")].map(|(e, t)| link(e, t));
+        [link("svg", &image), format!(" Files beside this page: {svg}, {png}, {csv}.")]
+    } else {
+        [image, String::new()]
+    };
+    format!("<figure id=\"{file}\">{image}<figcaption>{strong}{caption}{links}</figcaption></figure>\n")
 }
 
 /// Text with the characters escaped that HTML gives a meaning.

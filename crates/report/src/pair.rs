@@ -6,9 +6,8 @@ use magsplice::results::FilmEvaluation;
 use crate::drawing::{Drawing, SvgText};
 use crate::error::ReportError;
 use crate::figure_drafts::drafts;
-use crate::page::{escaped, filled, head};
+use crate::page::{Pages, escaped, figure_element, filled, head};
 use crate::paired_numbers::{PairedNumber, numbers};
-use crate::raster_image::data_url;
 use crate::report::{PAGE_NAME, absent, rendered};
 use crate::shared_ranges::SharedRanges;
 use crate::survey::{Survey, tiles_to_draw};
@@ -26,8 +25,10 @@ const PREFIXES: [&str; 2] = ["first", "second"];
 pub struct PairReport {
     /// The figures of each film.
     pub figures: [Vec<Drawing>; 2],
-    /// The page: HTML that loads no other file.
+    /// The page by itself: HTML that loads no other file.
     pub html: String,
+    /// The page with links to the files of the figures, for a folder with them.
+    pub html_in_folder: String,
     /// What the report lacks of each film, and why.
     pub absent: [Vec<String>; 2],
 }
@@ -61,13 +62,15 @@ impl PairReport {
         let first = draw(0)?;
         let figures = [rendered(films[0], first, text)?, rendered(films[1], second, text)?];
         let absent = films.map(absent);
-        let html = page(films, labels, &figures, &absent, &numbers(films, evaluations));
-        Ok(PairReport { figures, html, absent })
+        let numbers = numbers(films, evaluations);
+        let Pages { alone, in_folder } =
+            Pages::new(|has_files| page(films, labels, &figures, &absent, &numbers, has_files));
+        Ok(PairReport { figures, html: alone, html_in_folder: in_folder, absent })
     }
 
     /// Names and contents of all files: the page, then SVG, PNG and CSV of each figure.
     pub fn files(&self) -> Vec<(String, &[u8])> {
-        let mut files = vec![(PAGE_NAME.to_owned(), self.html.as_bytes())];
+        let mut files = vec![(PAGE_NAME.to_owned(), self.html_in_folder.as_bytes())];
         for (prefix, figures) in PREFIXES.iter().zip(&self.figures) {
             for (name, contents) in figures.iter().flat_map(Drawing::files) {
                 files.push((format!("{prefix}-{name}"), contents));
@@ -83,6 +86,7 @@ fn page(
     figures: &[Vec<Drawing>; 2],
     absent: &[Vec<String>; 2],
     numbers: &[PairedNumber],
+    has_files: bool,
 ) -> String {
     let names = films.map(|film| escaped(&film.layout().name));
     let labels = labels.map(escaped);
@@ -104,7 +108,7 @@ fn page(
         "first" => labels[0].clone(),
         "second" => labels[1].clone(),
         "numbers" => numbers.iter().map(row).collect(),
-        "figures" => figure_pairs(figures, &labels),
+        "figures" => figure_pairs(figures, &labels, has_files),
         _ => unreachable!("{placeholder} is not a placeholder of the page"),
     })
 }
@@ -130,7 +134,7 @@ fn row((name, values): &PairedNumber) -> String {
 }
 
 /// Figures of the same name beside each other.
-fn figure_pairs(figures: &[Vec<Drawing>; 2], labels: &[String; 2]) -> String {
+fn figure_pairs(figures: &[Vec<Drawing>; 2], labels: &[String; 2], has_files: bool) -> String {
     let mut names: Vec<&str> = Vec::new();
     for figure in figures.iter().flatten() {
         if !names.contains(&figure.name) {
@@ -142,22 +146,11 @@ fn figure_pairs(figures: &[Vec<Drawing>; 2], labels: &[String; 2]) -> String {
             let figure = figures.iter().find(|figure| figure.name == *name);
             figure.map_or_else(
                 || format!("<p class=\"absent\">{label} has no such figure.</p>\n"),
-                |figure| figure_element(figure, prefix, label),
+                |figure| figure_element(figure, &format!("{prefix}-{}", figure.name), label, has_files),
             )
         };
         let both: String = PREFIXES.iter().zip(figures).zip(labels).map(of_film).collect();
         format!("<div class=\"pair\">\n{both}</div>\n")
     };
     names.iter().map(pair).collect()
-}
-
-fn figure_element(figure: &Drawing, prefix: &str, label: &str) -> String {
-    let caption = escaped(&figure.caption);
-    let source = data_url("image/svg+xml", figure.outlined.as_bytes());
-    let file = format!("{prefix}-{}", figure.name);
-    format!(
-        "<figure id=\"{file}\"><a href=\"{file}.svg\"><img alt=\"{label}: {caption}\" \
-         src=\"{source}\"></a><figcaption><strong>{label}</strong> {caption} <a href=\"{file}.svg\">SVG</a>, <a \
-         href=\"{file}.png\">PNG</a>, <a href=\"{file}.csv\">CSV</a></figcaption></figure>\n"
-    )
 }

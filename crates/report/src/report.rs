@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use crate::drawing::{Drawing, FigureDraft, SvgText};
 use crate::error::ReportError;
 use crate::figure_drafts::{drafts, sensor_drafts};
-use crate::page::{PrintedResults, page};
+use crate::page::{Pages, PrintedResults, page};
 use crate::shared_ranges::SharedRanges;
 use crate::survey::{FilmSamples, Survey, tiles_to_draw};
 
@@ -54,8 +54,10 @@ pub(crate) const PAGE_NAME: &str = "report.html";
 pub struct Report {
     /// The figures, in the order of the page.
     pub figures: Vec<Drawing>,
-    /// The page: HTML that loads no other file.
+    /// The page by itself: HTML that loads no other file.
     pub html: String,
+    /// The page with links to the files of the figures, for a folder with them.
+    pub html_in_folder: String,
     /// What the report lacks, and why: one phrase each, without a full stop.
     pub absent: Vec<String>,
 }
@@ -86,13 +88,13 @@ impl Report {
         let figures = rendered(film, drafts, text)?;
         film.tell(Stage::uncounted("page"));
         let absent = absent(film);
-        let html = page(film, survey.as_ref(), &tiles, &figures, &absent, results);
-        Ok(Report { figures, html, absent })
+        let Pages { alone, in_folder } = page(film, survey.as_ref(), &tiles, &figures, &absent, results);
+        Ok(Report { figures, html: alone, html_in_folder: in_folder, absent })
     }
 
     /// Names and contents of all files: the page, then SVG, PNG and CSV of each figure.
     pub fn files(&self) -> Vec<(String, &[u8])> {
-        let mut files = vec![(PAGE_NAME.to_owned(), self.html.as_bytes())];
+        let mut files = vec![(PAGE_NAME.to_owned(), self.html_in_folder.as_bytes())];
         for figure in &self.figures {
             files.extend(figure.files());
         }

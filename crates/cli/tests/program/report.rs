@@ -133,6 +133,34 @@ fn numbers_on_the_page_are_those_of_decouple_and_field() {
 }
 
 #[test]
+fn report_has_a_usual_folder_and_a_page_of_its_own() {
+    let sandbox = Sandbox::new();
+    let tile = "[[tile]]\nposition_mm = [0, 0, 0.5]\nsize_mm = [1, 1, 1]\npolarization_t = [0, 0, 1]\n";
+    for name in ["one", "two"] {
+        sandbox.write(&format!("{name}.toml"), &format!("format = 1\nname = \"{name}\"\n{tile}"));
+    }
+    for (args, folder) in [(&["one.toml"][..], "one-report"), (&["one.toml", "two.toml"], "one-and-two-report")] {
+        let said = sandbox.run(&[&["report"], args].concat());
+        assert_eq!((said.status, said.stderr.as_str()), (0, ""));
+        assert!(said.stdout.starts_with(&format!("{folder}/report.html: ")), "{}", said.stdout);
+        assert!(sandbox.read(&format!("{folder}/report.html")).contains("layout.svg\">"));
+        // Alone, the page links to no file that is missing, and shows the same.
+        let page = format!("{folder}.HTML");
+        let said = sandbox.run(&[&["report"], args, &["-o", &page]].concat());
+        assert_eq!((said.status, said.stderr.as_str()), (0, ""));
+        assert!(said.stdout.starts_with(&format!("{page}: ")) && !said.stdout.contains("SVG"), "{}", said.stdout);
+        let html = sandbox.read(&page);
+        assert!(html.contains("<figure id=") && !html.contains("layout.svg") && !html.contains("Files beside"));
+    }
+    for name in ["out.svg", "figures.pdf", "one.toml"] {
+        let said = sandbox.run(&["report", "one.toml", "-o", name]);
+        said.refuses_arguments("or the page alone as an .html file");
+    }
+    fs::create_dir(sandbox.path("folder.html")).unwrap();
+    sandbox.run(&["report", "one.toml", "-o", "folder.html"]).refuses("cannot write folder.html");
+}
+
+#[test]
 fn report_names_absent_parts() {
     let sandbox = Sandbox::new();
     let said = sandbox.run(&["report", &shipped("single-tile"), "-o", "out"]);

@@ -90,8 +90,9 @@ class Report(Page):
     absent: list[str]
 
     def __init__(
-        self, figures: list[tuple[str, str, str, bytes, str]], html: str, absent: list[str]
+        self, figures: list[tuple[str, str, str, bytes, str]], pages: list[str], absent: list[str]
     ) -> None:
+        html, self._html_in_folder = pages
         super().__init__(html, 900)
         self.figures = {figure[0]: Figure(*figure) for figure in figures}
         self.absent = absent
@@ -111,7 +112,7 @@ class Report(Page):
             (folder / f"{figure.name}.png").write_bytes(figure.png)
             (folder / f"{figure.name}.csv").write_text(figure.csv, encoding="utf-8")
         page = folder / "report.html"
-        page.write_text(self.html, encoding="utf-8")
+        page.write_text(self._html_in_folder, encoding="utf-8")
         return page
 
 

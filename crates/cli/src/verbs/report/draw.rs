@@ -10,8 +10,8 @@ use magsplice::results::{FilmEvaluation, Source};
 use magsplice::{Film, FilmError};
 use magsplice_report::{FilmSamples, PairReport, PrintedResults, Report, ReportError, SvgText};
 
+use super::destination::Destination;
 use crate::failure::Failure;
-use crate::output::folder::Folder;
 use crate::output::json;
 use crate::remarks;
 use crate::session::Session;
@@ -39,20 +39,14 @@ impl Drawing<'_> {
     fn draw_one(&self, path: &Path) -> Result<(), Failure> {
         let session = Session::open(path, remarks::OF_COMPARISONS, self.quiet)?;
         let film = session.film()?.with_accuracy(self.accuracy);
-        // A folder that cannot be written is refused before the field is computed.
-        let folder = Folder::open(self.output, "report", &[path])?;
+        let destination = Destination::open(self.output, &[path])?;
         let (mut text, json) = numbers(&film).map_err(|error| session.failed(error))?;
         let samples = samples(&session, &film, &mut text)?;
         of_sensor(&film, &mut text).map_err(|error| session.failed(error))?;
         let results = PrintedResults { text: &text, json: &json };
         let report = Report::new(&film, samples, results, self.text).map_err(|error| failure(&session, error))?;
-        written(folder, report.files())?;
-        let page = self.output.join("report.html");
-        let mut said = format!(
-            "{}: {}, each also as SVG, PNG and CSV\n",
-            page.display(),
-            counted(report.figures.len(), "figure", "figures")
-        );
+        let (page, beside) = destination.write(self.output, &report.html, report.files())?;
+        let mut said = format!("{}: {}{beside}\n", page.display(), counted(report.figures.len(), "figure", "figures"));
         for absent in &report.absent {
             let _ = writeln!(said, "absent: {absent}");
         }
@@ -65,21 +59,17 @@ impl Drawing<'_> {
         let sessions = [first, Session::begin(paths[1], remarks::OF_COMPARISONS, self.quiet, progress)?];
         let film = |session: &Session| Ok::<Film, Failure>(session.film()?.with_accuracy(self.accuracy));
         let films = [film(&sessions[0])?, film(&sessions[1])?];
-        let folder = Folder::open(self.output, "report", &paths)?;
+        let destination = Destination::open(self.output, &paths)?;
         let evaluated = |index: usize| evaluated(&films[index]).map_err(|error| sessions[index].failed(error));
         let evaluations = [evaluated(0)?, evaluated(1)?];
         let labels = paths.map(|path| path.display().to_string());
         let labels = [labels[0].as_str(), labels[1].as_str()];
         let report = PairReport::new([&films[0], &films[1]], labels, &evaluations, self.text);
         let report = report.map_err(|error| failure(&sessions[0], error))?;
-        written(folder, report.files())?;
-        let page = self.output.join("report.html");
+        let (page, beside) = destination.write(self.output, &report.html, report.files())?;
         let [first, second] = report.figures.each_ref().map(Vec::len);
-        let mut said = format!(
-            "{}: {first} and {} side by side, each also as SVG, PNG and CSV\n",
-            page.display(),
-            counted(second, "figure", "figures")
-        );
+        let mut said =
+            format!("{}: {first} and {} side by side{beside}\n", page.display(), counted(second, "figure", "figures"));
         for (label, absent) in labels.iter().zip(&report.absent) {
             for absent in absent {
                 let _ = writeln!(said, "{label}: absent: {absent}");
@@ -114,12 +104,6 @@ fn of_sensor(film: &Film, text: &mut String) -> Result<(), FilmError> {
         Err(error) => return Err(error),
     }
     Ok(())
-}
-
-/// Writes all files and lets the folder appear.
-fn written(mut folder: Folder, files: Vec<(String, &[u8])>) -> Result<(), Failure> {
-    folder.write_all(files)?;
-    folder.finish()
 }
 
 fn failure(session: &Session, error: ReportError) -> Failure {

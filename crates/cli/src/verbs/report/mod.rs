@@ -1,5 +1,7 @@
 //! `magsplice report`: draws figures and a page, once or whenever a layout is saved.
 
+/// The folder or the page that a report becomes.
+mod destination;
 /// The drawing.
 mod draw;
 /// `--watch`: draws anew when a layout is saved.
@@ -19,7 +21,8 @@ use crate::failure::Failure;
 /// vectors in three views, B beside the ideal film on planes, and the decoupling parameters through
 /// the working volume and along its axes. The page report.html needs no network and no other file;
 /// it has the numbers, a view of the tiles that turns, and maps that show the value under the
-/// pointer. The folder appears complete or not at all. An earlier report in it is replaced.
+/// pointer. The folder appears complete or not at all. An earlier report in it is replaced. With -o
+/// PAGE.html only the page is written.
 ///
 /// Two layouts give one page with the numbers of both films and their difference, and the figures
 /// side by side on the same scales.
@@ -28,15 +31,16 @@ use crate::failure::Failure;
 /// faults of a broken layout. The page does not reload by itself.
 #[derive(clap::Args)]
 #[command(
-    after_help = "Example:\n  magsplice report layouts/published-film.toml -o report\n  magsplice report before.toml after.toml -o comparison"
+    after_help = "Example:\n  magsplice report layouts/published-film.toml\n  magsplice report film.toml -o film.html\n  magsplice report before.toml after.toml -o comparison"
 )]
 pub(crate) struct ReportArgs {
     /// Layout file, or two whose films are drawn side by side
     #[arg(required = true, num_args = 1..=2, value_name = "LAYOUT")]
     layouts: Vec<PathBuf>,
-    /// Folder to write: new, empty, or with an earlier report, which is replaced
-    #[arg(short, long, value_name = "FOLDER")]
-    output: PathBuf,
+    /// Folder to write: new, empty, or with an earlier report, which is replaced; or a file
+    /// PAGE.html for the page alone [default: NAME-report for NAME.toml]
+    #[arg(short, long, value_name = "FOLDER", value_parser = destination::given)]
+    output: Option<PathBuf>,
     /// Draw again whenever a layout is saved, until Ctrl-C
     #[arg(long)]
     watch: bool,
@@ -65,7 +69,7 @@ impl From<SvgTextArg> for SvgText {
 }
 
 pub(crate) fn run(args: &ReportArgs, quiet: bool) -> Result<(), Failure> {
-    let drawing =
-        draw::Drawing { output: &args.output, text: args.text.into(), accuracy: args.accuracy.accuracy(), quiet };
+    let output = args.output.clone().unwrap_or_else(|| destination::usual(&args.layouts));
+    let drawing = draw::Drawing { output: &output, text: args.text.into(), accuracy: args.accuracy.accuracy(), quiet };
     if args.watch { watch::run(&args.layouts, &drawing) } else { drawing.draw(&args.layouts) }
 }
