@@ -38,7 +38,7 @@ try {
   // Figures.
   const figures = await page.locator("figure img").evaluateAll(async (images) => {
     await Promise.all(images.map((image) => image.decode()));
-    return images.map((image) => [image.parentElement.id, image.naturalWidth, image.naturalHeight]);
+    return images.map((image) => [image.closest("figure").id, image.naturalWidth, image.naturalHeight]);
   });
   assert.equal(figures.length, withIdeal ? 8 : inVolume ? 5 : 1, `figures: ${figures}`);
   for (const [name, width, height] of figures) assert.ok(width > 300 && height > 200, `${name}: ${width} x ${height}`);
@@ -47,7 +47,7 @@ try {
   const sha256 = createHash("sha256").update(readFileSync(layout)).digest("hex");
   assert.equal(await page.locator("#sha256").textContent(), sha256);
   if (withIdeal) {
-    assert.equal(await page.locator("#numbers").textContent(), run("decouple", layout));
+    assert.match(await page.locator("#verdict").textContent(), /^The film (keeps|breaks)/);
     const numbers = JSON.parse(await page.locator("#numbers-json").textContent());
     // The page has the points in its maps instead.
     const { columns, shape, ...report } = JSON.parse(run("decouple", layout, "--format", "json"));

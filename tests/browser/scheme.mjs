@@ -12,7 +12,7 @@ export async function checkScheme(browser, url, inVolume) {
       return 0.2126 * r + 0.7152 * g + 0.0722 * b;
     };
     const page = luminance(getComputedStyle(document.body).backgroundColor);
-    const texts = ["h1", "dt", "dd", "#numbers", "figcaption", "figcaption a", "#tile", ".hint"];
+    const texts = ["h1", "dt", "dd", ".numbers th", "figcaption", "figcaption a", "#tile", ".hint"];
     const contrast = (colour) => (luminance(colour) + 0.05) / (page + 0.05);
     return [["the page", page < 0.05 ? 21 : 0],
       ...texts.map((text) => [text, contrast(getComputedStyle(document.querySelector(text)).color)])];

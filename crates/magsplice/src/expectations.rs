@@ -16,16 +16,19 @@ impl Film {
     /// gives [`FilmError::NoBaseline`].
     pub fn outcomes(&self, baseline: Option<&Baseline>) -> Vec<(Expectation, Result<Outcome, FilmError>)> {
         let mut outcomes = Vec::new();
-        self.each_outcome(baseline, |expectation, outcome| outcomes.push((expectation, outcome)));
+        self.each_outcome(baseline, &[], |expectation, outcome| outcomes.push((expectation, outcome)));
         outcomes
     }
 
     /// The same as [`Film::outcomes`], each passed to `take` as soon as it is known.
     ///
     /// The field is computed for the first expectation that needs it, and kept for the others.
+    /// `made` are the errors of the first samples of films as made, with the seed of the layout, as
+    /// far as they are known. They are sampled if they are fewer than the layout specifies.
     pub fn each_outcome(
         &self,
         baseline: Option<&Baseline>,
+        made: &[Figures],
         mut take: impl FnMut(Expectation, Result<Outcome, FilmError>),
     ) {
         let expected = &self.layout().expectations;
@@ -34,7 +37,7 @@ impl Film {
         let decoupling = OnceCell::new();
         let decoupling = || decoupling.get_or_init(|| self.volume_decoupling()).as_ref().map_err(Clone::clone);
         let made_films = OnceCell::new();
-        let made_films = || made_films.get_or_init(|| self.made_films()).as_deref().map_err(Clone::clone);
+        let made_films = || made_films.get_or_init(|| self.made_films(made)).as_deref().map_err(Clone::clone);
         let outcome = |expectation: Expectation| -> Result<Outcome, FilmError> {
             let outcome = match expectation {
                 Expectation::Figure(figure) => {
@@ -79,11 +82,14 @@ impl Film {
     }
 
     /// The errors of films as made, of as many samples as the layout specifies.
-    fn made_films(&self) -> Result<Vec<Figures>, FilmError> {
-        let sampling = self.sampling()?;
+    fn made_films(&self, known: &[Figures]) -> Result<Vec<Figures>, FilmError> {
         let (seed, stated) = self.layout().tolerance.as_ref().map_or((1, 1), |stated| (stated.seed, stated.samples));
         let made = self.layout().expectations.made.as_ref();
         let count = made.and_then(|made| made.samples).unwrap_or(stated);
+        if let Some(known) = known.get(..count as usize) {
+            return Ok(known.to_vec());
+        }
+        let sampling = self.sampling()?;
         let counted = self.counting("films", Some(count as usize), "samples");
         let errors = sampling.sampler(seed)?.errors_of_range(0..count, counted);
         errors.map_err(|(sample, error)| FilmError::Sample { sample, error })

@@ -4,6 +4,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use magsplice::RecoilEstimate;
+use magsplice::decouple::Figures;
 use magsplice::expect::{Baseline, Expectation};
 use magsplice::layout::Layout;
 use magsplice::results::{CheckedExpectation, CheckedLayout};
@@ -28,28 +29,44 @@ pub(crate) enum Held<'py> {
 #[pyfunction]
 #[pyo3(signature = (film, baseline=None))]
 pub(crate) fn check<'py>(py: Python<'py>, film: &Film, baseline: Option<Held<'py>>) -> PyResult<Bound<'py, PyDict>> {
-    let (held, fault) = match &baseline {
-        None => (None, None),
-        Some(Held::Fault(fault)) => (None, Some(fault)),
-        Some(Held::Field(points, field_t)) => {
-            (Some(Baseline { points: vectors(points)?.to_vec(), field_t: vectors(field_t)?.to_vec() }), None)
-        }
-    };
     let layout = &film.layout;
     let mut checked = CheckedLayout::new(Path::new(&film.source.1), &Ok(Layout::clone(layout)), Duration::ZERO);
     if layout.expectations.is_empty() {
         return dictionary(py, &checked);
     }
+    let baseline = known(baseline)?;
     let (outcomes, estimates) =
-        film.run(py, |film| Ok((film.outcomes(held.as_ref()), RecoilEstimate::of_stated(film.layout()))))?;
-    let outcome = |(expectation, outcome): (Expectation, Result<_, magsplice::FilmError>)| {
-        let outcome = match (fault, expectation) {
-            (Some(fault), Expectation::Field) => Err(fault.clone()),
-            _ => outcome.map_err(|error| error.to_string()),
-        };
-        CheckedExpectation::new(expectation, outcome, layout, Duration::ZERO)
-    };
+        film.run(py, |film| Ok((expectations(film, &baseline, &[]), RecoilEstimate::of_stated(film.layout()))))?;
     // A film without an estimate has no figures.
     checked.recoil_estimates = estimates.unwrap_or_default();
-    dictionary(py, &checked.with_expectations(outcomes.into_iter().map(outcome).collect()))
+    dictionary(py, &checked.with_expectations(outcomes))
+}
+
+/// The baseline, if any, as the program reads it.
+pub(crate) fn known(baseline: Option<Held<'_>>) -> PyResult<Option<Result<Baseline, String>>> {
+    Ok(match &baseline {
+        None => None,
+        Some(Held::Fault(fault)) => Some(Err(fault.clone())),
+        Some(Held::Field(points, field_t)) => {
+            Some(Ok(Baseline { points: vectors(points)?.to_vec(), field_t: vectors(field_t)?.to_vec() }))
+        }
+    })
+}
+
+/// The expectations of a film, checked. `made` are the errors of the first films as made, as far as
+/// they are known.
+pub(crate) fn expectations(
+    film: &magsplice::Film,
+    baseline: &Option<Result<Baseline, String>>,
+    made: &[Figures],
+) -> Vec<CheckedExpectation> {
+    let mut checked = Vec::new();
+    film.each_outcome(baseline.as_ref().and_then(|b| b.as_ref().ok()), made, |expectation, outcome| {
+        let outcome = match (baseline, expectation) {
+            (Some(Err(fault)), Expectation::Field) => Err(fault.clone()),
+            _ => outcome.map_err(|error| error.to_string()),
+        };
+        checked.push(CheckedExpectation::new(expectation, outcome, film.layout(), Duration::ZERO));
+    });
+    checked
 }

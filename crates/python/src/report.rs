@@ -1,10 +1,13 @@
 //! Figures and pages.
 
 use magsplice::layout::Layout;
-use magsplice_report::{Drawing, FilmSamples, PrintedResults, Report, SvgText};
+use magsplice::making::Sorting;
+use magsplice::results::SampleRun;
+use magsplice_report::{Drawing, FilmSamples, Report, ReportInput, SvgText};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
+use crate::check::{Held, expectations, known};
 use crate::exceptions::{failed, of_film};
 use crate::film::Film;
 use crate::samples::errors_of;
@@ -14,16 +17,17 @@ use crate::threads::detached;
 /// A figure: name, caption, SVG, PNG and CSV.
 type Figure<'py> = (&'static str, String, String, Bound<'py, PyBytes>, String);
 
-/// The figures of a film, the page that shows them by itself and beside their files, and the missing parts of the report. `text` and
-/// `json` are the results for the page.
+/// The figures of a film, the page that shows them by itself and beside their files, and the
+/// missing parts of the report. `json` are the results for the page.
 #[pyfunction]
+#[pyo3(signature = (film, json, outlines, within, baseline=None))]
 pub(crate) fn report<'py>(
     py: Python<'py>,
     film: &Film,
-    text: &str,
-    json: &str,
+    json: String,
     outlines: bool,
     within: Within,
+    baseline: Option<Held<'py>>,
 ) -> PyResult<(Vec<Figure<'py>>, [String; 2], Vec<String>)> {
     let layout = &*film.layout;
     let evaluated = film.evaluated(py)?.clone().with_accuracy(accuracy(within)?);
@@ -31,14 +35,19 @@ pub(crate) fn report<'py>(
         Layout { tolerance: Some(tolerance), ideal: Some(_), volume: Some(_), .. } => {
             let sampling = evaluated.sampling().map_err(of_film)?;
             let errors = errors_of(py, &sampling, tolerance.seed, 0..tolerance.samples, None, &|_| Ok(()))?;
-            let nominal = detached(py, || sampling.nominal())?.map_err(of_film)?;
-            Some(FilmSamples { nominal, errors })
+            let film = layout.sample_fingerprint(&None::<Sorting>);
+            let run = SampleRun { film, seed: tolerance.seed, first: 0, count: tolerance.samples };
+            let found = detached(py, || sampling.statistics(run, None, &errors))?.map_err(of_film)?;
+            Some(FilmSamples { found, errors })
         }
         _ => None,
     };
-    let results = PrintedResults { text, json };
+    let baseline = known(baseline)?;
+    let made = samples.as_ref().map_or(&[][..], |samples| &samples.errors);
+    let expectations = detached(py, || expectations(&evaluated, &baseline, made))?;
+    let input = ReportInput { samples, expectations, json };
     let svg = if outlines { SvgText::Outlines } else { SvgText::Text };
-    let report = detached(py, || Report::new(&evaluated, samples, results, svg))?;
+    let report = detached(py, || Report::new(&evaluated, &input, svg))?;
     let Report { figures, html, html_in_folder, absent, .. } = report.map_err(failed)?;
     Ok((figures.into_iter().map(|drawn| figure(py, drawn)).collect(), [html, html_in_folder], absent))
 }
@@ -60,8 +69,7 @@ pub(crate) fn view(py: Python<'_>, film: &Film) -> PyResult<String> {
     detached(py, || {
         let layout = Layout { volume: None, ideal: None, tolerance: None, sensor: None, ..Layout::clone(&film.layout) };
         let film = magsplice::Film::rigid(layout);
-        let results = PrintedResults { text: "", json: "{}" };
-        Report::new(&film, None, results, SvgText::Outlines).map(|report| report.html).map_err(failed)
+        Report::new(&film, &ReportInput::default(), SvgText::Outlines).map(|report| report.html).map_err(failed)
     })?
 }
 

@@ -1,13 +1,14 @@
 // The map of the working volume: one quantity on one plane of constant z, with a slider for z and
 // the value at the point that the mouse, a tap or the keyboard points at.
-function showMap(data) {
-  const canvas = document.getElementById("map");
+function showMap(data, page) {
+  const { selection } = page;
+  const canvas = page.part("map");
   if (!canvas || !data.volume) return;
   const paper = canvas.getContext("2d");
-  const quantity = document.getElementById("quantity");
-  const plane = document.getElementById("plane");
-  const ownScale = document.getElementById("own-scale");
-  const readout = document.getElementById("readout");
+  const quantity = page.part("quantity");
+  const plane = page.part("plane");
+  const ownScale = page.part("own-scale");
+  const readout = page.part("readout");
   const { x_mm: xs, y_mm: ys, z_mm: zs } = data.volume;
   const maps = data.maps;
   for (const map of maps) {
@@ -197,7 +198,7 @@ function showMap(data) {
     }
     const z = zs[Number(plane.value)];
     const zText = `z = ${short(z)} mm`;
-    document.getElementById("z").textContent = zText;
+    page.part("z").textContent = zText;
     plane.setAttribute("aria-valuetext", zText);
     tell(map, unit, factor, z);
   }
@@ -257,7 +258,7 @@ function showMap(data) {
     kept = pointed !== null && !(before && before.join() === pointed.join() && !isTouch(event));
   });
   const steps = { left: [-1, 0], right: [1, 0], up: [0, 1], down: [0, -1] };
-  for (const button of document.querySelectorAll("[data-step]")) {
+  for (const button of page.section.querySelectorAll("[data-step]")) {
     button.addEventListener("click", () => step(...steps[button.dataset.step]));
   }
   canvas.addEventListener("keydown", (event) => {

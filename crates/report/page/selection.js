@@ -1,6 +1,6 @@
 // The tile that is chosen, the tile under the pointer and the point of the map that is pointed at.
 // Views set them and are told of changes.
-const selection = {
+const newSelection = () => ({
   chosen: null,
   hovered: null,
   point: null,
@@ -10,12 +10,13 @@ const selection = {
     Object.assign(this, changes);
     for (const listener of this.listeners) listener();
   },
-};
+});
 
 // The line below the view: the tile, its J, and its share of B at the point of the map.
-function showTile(data) {
-  const line = document.getElementById("tile");
-  const list = document.getElementById("tiles");
+function showTile(data, page) {
+  const { selection } = page;
+  const line = page.part("tile");
+  const list = page.part("tiles");
   // Contributions of more tiles take too long to add up while the pointer moves.
   const MOST_TILES = 2000;
   list.append(new Option("none", ""));

@@ -1,8 +1,9 @@
 // The tiles in three dimensions: boxes in the colours of the figure of the layout, with arrows
 // along their polarization. The frame of the working volume is drawn over everything: solid where
 // it is in front, dashed where tiles hide it.
-function showTiles(data) {
-  const canvas = document.getElementById("view");
+function showTiles(data, page) {
+  const { selection } = page;
+  const canvas = page.part("view");
   const gl = canvas.getContext("webgl", { antialias: true, stencil: true, preserveDrawingBuffer: true });
   if (!gl) {
     canvas.replaceWith("The view in three dimensions needs WebGL, which this browser does not have.");
@@ -306,10 +307,10 @@ function showTiles(data) {
     closer: () => zoom(1.25), farther: () => zoom(0.8),
     above: () => look({ round: 0, over: 0 }), reset: () => look(start),
   };
-  for (const button of document.querySelectorAll("[data-turn]")) {
+  for (const button of page.section.querySelectorAll("[data-turn]")) {
     button.addEventListener("click", moves[button.dataset.turn]);
   }
-  const tip = document.getElementById("tip");
+  const tip = page.part("tip");
   const placeOf = (event) => {
     const box = canvas.getBoundingClientRect();
     return [event.clientX - box.left - canvas.clientLeft, event.clientY - box.top - canvas.clientTop];

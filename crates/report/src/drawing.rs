@@ -95,6 +95,26 @@ impl Drawing {
         Ok(Drawing { name, caption, svg, png: encoded(&pixels)?, csv, outlined })
     }
 
+    /// The heading of the figure on a page.
+    pub(crate) fn heading(&self) -> &'static str {
+        match self.name {
+            "layout" => "The tiles from above",
+            "recoil" => "Recoil of the tiles",
+            "vectors" => "Field vectors",
+            "field-lowest" => "Field on the lowest plane",
+            "field-middle" => "Field on the middle plane",
+            "field-highest" => "Field on the highest plane",
+            "parameters-level" => "Decoupling parameters on planes of constant z",
+            "parameters-upright" => "Decoupling parameters on vertical planes",
+            "parameters-along-axes" => "Decoupling parameters along their axes",
+            "made-displacement" => "Displacement errors of films as made",
+            "made-uniformity" => "Uniformity errors of films as made",
+            "resolution" => "Resolution of the sensor",
+            "experiment" => "Moving the film along each axis",
+            name => name,
+        }
+    }
+
     /// Names and contents of the files: SVG, PNG and CSV.
     pub fn files(&self) -> [(String, &[u8]); 3] {
         let named = |ending: &str| format!("{}.{ending}", self.name);

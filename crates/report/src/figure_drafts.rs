@@ -12,32 +12,43 @@ use crate::figures::{
     along_axes, distributions, experiment, field_maps, layout_from_above, parameter_maps, recoil_map, resolution,
     vectors,
 };
+use crate::film_results::{FilmResults, FilmSamples};
 use crate::shared_ranges::SharedRanges;
 use crate::survey::{FieldSlice, Survey};
 
 const FIELD_NAMES: [&str; 3] = ["field-lowest", "field-middle", "field-highest"];
 
 /// The number of figures.
-fn figure_count(film: &Film, survey: Option<&Survey>) -> usize {
+fn figure_count(film: &Film, survey: Option<&Survey>, samples: Option<&FilmSamples>) -> usize {
     // Layout, recoil, vectors, one field map per plane; three figures of the parameters.
     // Two figures of samples.
     let of_tiles = 1 + usize::from(film.recoil().is_some());
     of_tiles
         + survey.map_or(0, |survey| {
             let against_ideal = survey.against_ideal.as_ref().map_or(0, |_| 3);
-            1 + survey.heights_mm().len() + against_ideal + survey.samples.as_ref().map_or(0, |_| 2)
+            1 + survey.heights_mm().len() + against_ideal + samples.map_or(0, |_| 2)
         })
 }
 
-/// All figures that the layout allows of the tiles, the field and the decoupling parameters.
-pub(crate) fn drafts(
+/// All figures that the layout allows.
+pub(crate) fn drafts(of: &FilmResults, ranges: &SharedRanges) -> Result<Vec<FigureDraft>, ReportError> {
+    let mut all = film_drafts(of.film, &of.tiles, of.survey.as_ref(), of.input.samples.as_ref(), ranges)?;
+    if let Some(survey) = &of.survey {
+        all.extend(sensor_drafts(of.film, survey, ranges)?);
+    }
+    Ok(all)
+}
+
+/// The figures of the tiles, the field and the decoupling parameters.
+fn film_drafts(
     film: &Film,
     tiles: &[&NamedTile],
     survey: Option<&Survey>,
+    samples: Option<&FilmSamples>,
     ranges: &SharedRanges,
 ) -> Result<Vec<FigureDraft>, ReportError> {
     let mut drafts = Vec::new();
-    let count = figure_count(film, survey);
+    let count = figure_count(film, survey, samples);
     let tell = |done: usize| film.tell(Stage { name: "drawing", done, of: Some(count), unit: "figures" });
     tell(0);
     let mut add = |draft: FigureDraft| {
@@ -68,26 +79,22 @@ pub(crate) fn drafts(
     let upright = [slice(1, middle.y)?, slice(0, middle.x)?];
     add(parameter_maps::draft(against, &upright, MappedPlanes::Upright, ranges)?);
     add(along_axes::draft(survey, against, ranges)?);
-    if let Some(samples) = survey.samples.as_ref().filter(|samples| !samples.errors.is_empty()) {
-        add(distributions::draft(ErrorKind::Displacement, samples)?);
-        add(distributions::draft(ErrorKind::Uniformity, samples)?);
+    if let Some(samples) = samples.filter(|samples| !samples.errors.is_empty()) {
+        add(distributions::draft(ErrorKind::Displacement, samples, ranges)?);
+        add(distributions::draft(ErrorKind::Uniformity, samples, ranges)?);
     }
     Ok(drafts)
 }
 
 /// The figures of the sensor: none if the layout states neither a sensor nor an elastic layer.
-pub(crate) fn sensor_drafts(
-    film: &Film,
-    survey: &Survey,
-    ranges: &SharedRanges,
-) -> Result<Vec<FigureDraft>, ReportError> {
+fn sensor_drafts(film: &Film, survey: &Survey, ranges: &SharedRanges) -> Result<Vec<FigureDraft>, ReportError> {
     let layout = film.layout();
     if layout.sensor.is_none() && layout.elastomer.is_none() {
         return Ok(Vec::new());
     }
     film.tell(Stage::uncounted("drawing the sensor"));
     let resolution = resolution::draft(film, survey.volume, &survey.heights_mm(), ranges)?;
-    let experiment = experiment::draft(&film.experiments(EXPERIMENT_STEP_MM, None, None)?)?;
+    let experiment = experiment::draft(&film.experiments(EXPERIMENT_STEP_MM, None, None)?, ranges)?;
     Ok(resolution.into_iter().chain([experiment]).collect())
 }
 
@@ -155,7 +162,7 @@ mod tests {
             let survey = Survey::new(&film).unwrap();
             let tiles = tiles_to_draw(&layout);
             for FigureDraft { name, svg, .. } in
-                drafts(&film, &tiles, survey.as_ref(), &SharedRanges::default()).unwrap()
+                film_drafts(&film, &tiles, survey.as_ref(), None, &SharedRanges::default()).unwrap()
             {
                 let tree = Tree::from_str(&svg, &OPTIONS).unwrap();
                 let mut found = Vec::new();
@@ -236,7 +243,7 @@ mod tests {
         let layout = Layout::read(&path).unwrap();
         let film = Film::new(layout.clone()).unwrap();
         let survey = Survey::new(&film).unwrap();
-        let drafts = drafts(&film, &[], survey.as_ref(), &SharedRanges::default()).unwrap();
+        let drafts = film_drafts(&film, &[], survey.as_ref(), None, &SharedRanges::default()).unwrap();
         let draft = drafts.into_iter().find(|draft| draft.name == "field-lowest").unwrap();
         let figure = draft.rendered(SvgText::Text).unwrap();
         let png = resvg::tiny_skia::Pixmap::decode_png(&figure.png).unwrap();
@@ -256,7 +263,7 @@ mod tests {
         let layout = Layout::parse(&rotated_tiles(), "layout").unwrap();
         let film = Film::new(layout.clone()).unwrap();
         let tiles = tiles_to_draw(&layout);
-        let drafts = drafts(&film, &tiles, None, &SharedRanges::default()).unwrap();
+        let drafts = film_drafts(&film, &tiles, None, None, &SharedRanges::default()).unwrap();
         assert_eq!(drafts.len(), 1);
         for name in ["north &lt;&amp;&gt; &apos;ß&apos;", "up", "none", "diagonal"] {
             assert!(drafts[0].svg.contains(&format!("\n{name}\n")), "{name}");

@@ -1,8 +1,9 @@
 //! Figures of a film and its field, and an HTML page that shows them.
 //!
-//! [`Report::new`] takes a prepared [`Film`](magsplice::Film) and its results as printed text. It
-//! returns the figures of Dai 2024 for this film as SVG and PNG, and one HTML page that contains
-//! everything. [`front_figures`] draws the trade-offs that a design search found.
+//! [`Report::new`] takes a prepared [`Film`](magsplice::Film), and films as made and checked
+//! expectations if there are any. It returns the figures of Dai 2024 for this film as SVG and PNG,
+//! and one HTML page that contains everything. [`front_figures`] draws the trade-offs that a design
+//! search found.
 //!
 //! plotters draws the figures. Their colours are readable in print and by colour-blind readers.
 //! Text of SVG files is text or outlines ([`SvgText`]). In PNG files and on the page it is drawn
@@ -23,18 +24,22 @@ mod error;
 mod figure_drafts;
 /// One file per kind of figure.
 mod figures;
+/// [`ReportInput`], and all numbers of a film.
+mod film_results;
 /// Units of flux density (T, mT, uT, nT) in which numbers have few digits.
 mod flux_unit;
+/// Parts of pages.
+mod html;
 /// Arrows, corner brackets and dots and crosses, drawn in several figures.
 mod marks;
-/// The HTML page.
+/// The numbers of films as tables.
+mod number_tables;
+/// The page of one film.
 mod page;
 /// The data on the page that its scripts draw: tiles, maps, colours.
 mod page_data;
 /// [`PairReport`]: two films side by side.
 mod pair;
-/// The numbers of two films side by side.
-mod paired_numbers;
 /// A rectangle with axes on a sheet, and its colour bar.
 mod panel;
 /// Pages to print: bill of materials, placement plan.
@@ -57,6 +62,8 @@ mod survey;
 mod tile_shapes;
 /// Symbols with subscripts, numbers on axes, and the font.
 mod typeset;
+/// The verdict and the most important numbers of a film.
+mod verdict;
 
 pub use drawing::{Drawing, SvgText};
 pub use error::ReportError;
@@ -69,9 +76,8 @@ pub use figures::ideal_film::ideal_film_figures;
 pub use figures::layout_from_above::layout_figure;
 pub use figures::placement_plan::placement_plan_figure;
 pub use figures::scan_maps::scan_figures;
-pub use page::PrintedResults;
+pub use film_results::{FilmSamples, ReportInput};
 pub use pair::PairReport;
 pub use printed_film::{bill_page, parts_figure, plan_page};
 pub use report::Report;
-pub use survey::FilmSamples;
 pub use tile_shapes::from_above as tile_outline;

@@ -1,23 +1,23 @@
-//! Two films side by side: their numbers with the difference, and their figures on the same scales.
+//! Two films side by side: their verdicts, their numbers with the difference, their views, and
+//! their figures on the same scales.
 
 use magsplice::Film;
-use magsplice::results::FilmEvaluation;
 
 use crate::drawing::{Drawing, SvgText};
 use crate::error::ReportError;
 use crate::figure_drafts::drafts;
-use crate::page::{Pages, escaped, figure_element, filled, head};
-use crate::paired_numbers::{PairedNumber, numbers};
-use crate::report::{PAGE_NAME, absent, rendered};
+use crate::film_results::{FilmResults, ReportInput};
+use crate::html::{Pages, contents, escaped, figure_element, filled, head};
+use crate::number_tables::{entries, number_tables, tables_of_pair};
+use crate::page::{data, facts, script, views};
+use crate::report::{PAGE_NAME, rendered};
 use crate::shared_ranges::SharedRanges;
-use crate::survey::{Survey, tiles_to_draw};
-use crate::typeset::number;
+use crate::verdict::summary;
 
 const PAGE: &str = include_str!("../page/pair.html");
-const STYLE: &str = include_str!("../page/pair.css");
 
-/// Prefixes of the files of the two films.
-const PREFIXES: [&str; 2] = ["first", "second"];
+/// Prefixes of the files and of the ids of the two films.
+const PREFIXES: [&str; 2] = ["first-", "second-"];
 
 /// The figures of two films on the same scales, and a page that shows them side by side.
 #[derive(Clone, Debug)]
@@ -36,35 +36,28 @@ pub struct PairReport {
 impl PairReport {
     /// Draws all figures that the layouts allow, and the page.
     ///
-    /// `labels` tell the films apart, for example the paths of their layouts. `evaluations` are
-    /// what [`Film::evaluate`] returns for films with an ideal film and a working volume.
+    /// `labels` tell the films apart, for example the paths of their layouts.
     ///
     /// # Errors
     /// As [`Report::new`](crate::Report::new).
     pub fn new(
         films: [&Film; 2],
         labels: [&str; 2],
-        evaluations: &[Option<FilmEvaluation>; 2],
+        inputs: &[ReportInput; 2],
         text: SvgText,
     ) -> Result<PairReport, ReportError> {
-        let surveys = [Survey::new(films[0])?, Survey::new(films[1])?];
+        let results = [FilmResults::new(films[0], &inputs[0])?, FilmResults::new(films[1], &inputs[1])?];
         let ranges = SharedRanges::default();
-        let draw = |film: usize| {
-            let tiles = tiles_to_draw(films[film].layout());
-            drafts(films[film], &tiles, surveys[film].as_ref(), &ranges)
-        };
         // The first drawings only find the ranges that both films share. The vectors need two
         // rounds: their arrows fill the window, and the window is shared.
         for index in [0, 1, 0] {
-            draw(index)?;
+            drafts(&results[index], &ranges)?;
         }
-        let second = draw(1)?;
-        let first = draw(0)?;
+        let second = drafts(&results[1], &ranges)?;
+        let first = drafts(&results[0], &ranges)?;
         let figures = [rendered(films[0], first, text)?, rendered(films[1], second, text)?];
-        let absent = films.map(absent);
-        let numbers = numbers(films, evaluations);
-        let Pages { alone, in_folder } =
-            Pages::new(|has_files| page(films, labels, &figures, &absent, &numbers, has_files));
+        let Pages { alone, in_folder } = pages(&results, labels.map(escaped), &figures);
+        let absent = results.map(|of| of.absent);
         Ok(PairReport { figures, html: alone, html_in_folder: in_folder, absent })
     }
 
@@ -73,44 +66,54 @@ impl PairReport {
         let mut files = vec![(PAGE_NAME.to_owned(), self.html_in_folder.as_bytes())];
         for (prefix, figures) in PREFIXES.iter().zip(&self.figures) {
             for (name, contents) in figures.iter().flat_map(Drawing::files) {
-                files.push((format!("{prefix}-{name}"), contents));
+                files.push((format!("{prefix}{name}"), contents));
             }
         }
         files
     }
 }
 
-fn page(
-    films: [&Film; 2],
-    labels: [&str; 2],
-    figures: &[Vec<Drawing>; 2],
-    absent: &[Vec<String>; 2],
-    numbers: &[PairedNumber],
-    has_files: bool,
-) -> String {
-    let names = films.map(|film| escaped(&film.layout().name));
-    let labels = labels.map(escaped);
-    let films = [0, 1].map(|i| {
-        let layout = films[i].layout();
-        let missing = absent[i].iter().map(|what| format!("<p class=\"absent\">Absent: {}.</p>", escaped(what)));
-        let missing: String = missing.collect();
-        let tiles = layout.tiles.len();
-        format!(
-            "<div><h2>{}</h2><p>{}</p><p>{tiles} tiles, SHA-256 of the layout <code>{}</code></p>{missing}</div>\n",
-            names[i], labels[i], layout.sha256
-        )
-    });
+fn pages(results: &[FilmResults; 2], labels: [String; 2], figures: &[Vec<Drawing>; 2]) -> Pages {
+    let names = results.each_ref().map(|of| escaped(&of.film.layout().name));
     let title = title(&names, &labels);
-    filled(PAGE, &|placeholder| match placeholder {
-        "head" => head(&title, STYLE),
+    let each = |part: &dyn Fn(usize) -> String| -> String {
+        (0..2).map(|film| format!("<div>\n{}</div>\n", part(film))).collect()
+    };
+    let summaries = each(&|film| {
+        let description = results[film].film.layout().description.as_deref().map_or(String::new(), escaped);
+        let (name, label, summary) = (&names[film], &labels[film], summary(&results[film], PREFIXES[film]));
+        format!("<h2>{name}</h2>\n<p>{label}</p>\n<p>{description}</p>\n{summary}")
+    });
+    let facts = each(&|film| {
+        format!("<h3>{}</h3>\n<dl class=\"facts\">\n{}</dl>\n", labels[film], facts(&results[film], PREFIXES[film]))
+    });
+    let tables = number_tables(results);
+    let shown: Vec<&Drawing> = figures[0]
+        .iter()
+        .chain(figures[1].iter().filter(|second| figures[0].iter().all(|first| first.name != second.name)))
+        .collect();
+    let of_views = (0..2).map(|film| (format!("{}views", PREFIXES[film]), format!("Views: {}", labels[film])));
+    let of_figures = shown.iter().map(|figure| (figure.name.to_owned(), figure.heading().to_owned()));
+    let all = entries(&tables).chain(of_views).chain(of_figures);
+    let contents = contents(all.chain([("source".to_owned(), "Source".to_owned())]));
+    let of_both = |part: fn(&FilmResults, &str, &str) -> String| -> String {
+        (0..2).map(|film| part(&results[film], PREFIXES[film], &labels[film])).collect()
+    };
+    let (views, data) = (of_both(views), of_both(|of, prefix, _| data(of, prefix)));
+    let placed = |placeholder: &str, has_files: bool| match placeholder {
+        "head" => head(&title, ""),
         "title" => title.clone(),
-        "films" => films.concat(),
-        "first" => labels[0].clone(),
-        "second" => labels[1].clone(),
-        "numbers" => numbers.iter().map(row).collect(),
-        "figures" => figure_pairs(figures, &labels, has_files),
+        "films" => summaries.clone(),
+        "contents" => contents.clone(),
+        "numbers" => tables_of_pair(&tables, &labels),
+        "views" => views.clone(),
+        "figures" => shown.iter().map(|of| figure_pair(of, figures, &labels, has_files)).collect(),
+        "facts" => facts.clone(),
+        "data" => data.clone(),
+        "script" => script(),
         _ => unreachable!("{placeholder} is not a placeholder of the page"),
-    })
+    };
+    Pages::new(|has_files| filled(PAGE, &|placeholder| placed(placeholder, has_files)))
 }
 
 /// Both names; with the labels where the names do not tell the films apart.
@@ -122,35 +125,15 @@ fn title(names: &[String; 2], labels: &[String; 2]) -> String {
     format!("{first} and {second}")
 }
 
-/// A row of the table: both values, and the second minus the first.
-fn row((name, values): &PairedNumber) -> String {
-    let text = |value: Option<f64>| value.map_or("none".to_owned(), number);
-    let difference = match values {
-        [Some(a), Some(b)] => Some(b - a),
-        _ => None,
+/// The figures with this one's name beside each other.
+fn figure_pair(of: &Drawing, figures: &[Vec<Drawing>; 2], labels: &[String; 2], has_files: bool) -> String {
+    let of_film = |film: usize| {
+        let (label, figure) = (&labels[film], figures[film].iter().find(|figure| figure.name == of.name));
+        figure.map_or_else(
+            || format!("<p class=\"absent\">{label} has no such figure.</p>\n"),
+            |figure| figure_element(figure, &format!("{}{}", PREFIXES[film], of.name), label, has_files),
+        )
     };
-    let cells = [values[0], values[1], difference].map(|value| format!("<td role=\"cell\">{}</td>", text(value)));
-    format!("<tr role=\"row\"><th scope=\"row\" role=\"rowheader\">{}</th>{}</tr>\n", escaped(name), cells.concat())
-}
-
-/// Figures of the same name beside each other.
-fn figure_pairs(figures: &[Vec<Drawing>; 2], labels: &[String; 2], has_files: bool) -> String {
-    let mut names: Vec<&str> = Vec::new();
-    for figure in figures.iter().flatten() {
-        if !names.contains(&figure.name) {
-            names.push(figure.name);
-        }
-    }
-    let pair = |name: &&str| {
-        let of_film = |((prefix, figures), label): ((&&str, &Vec<Drawing>), &String)| {
-            let figure = figures.iter().find(|figure| figure.name == *name);
-            figure.map_or_else(
-                || format!("<p class=\"absent\">{label} has no such figure.</p>\n"),
-                |figure| figure_element(figure, &format!("{prefix}-{}", figure.name), label, has_files),
-            )
-        };
-        let both: String = PREFIXES.iter().zip(figures).zip(labels).map(of_film).collect();
-        format!("<div class=\"pair\">\n{both}</div>\n")
-    };
-    names.iter().map(pair).collect()
+    let both: String = (0..2).map(of_film).collect();
+    format!("<h3 id=\"{}\">{}</h3>\n<div class=\"pair\">\n{both}</div>\n", of.name, of.heading())
 }

@@ -4,7 +4,7 @@
 use std::fmt::Write;
 
 use crate::drawing::Drawing;
-use crate::page::escaped;
+use crate::html::escaped;
 use crate::raster_image::data_url;
 
 const STYLE: &str = include_str!("../page/printed.css");

@@ -7,10 +7,11 @@ use rayon::prelude::*;
 
 use crate::drawing::{Drawing, FigureDraft, SvgText};
 use crate::error::ReportError;
-use crate::figure_drafts::{drafts, sensor_drafts};
-use crate::page::{Pages, PrintedResults, page};
+use crate::figure_drafts::drafts;
+use crate::film_results::{FilmResults, ReportInput};
+use crate::html::Pages;
+use crate::page::page;
 use crate::shared_ranges::SharedRanges;
-use crate::survey::{FilmSamples, Survey, tiles_to_draw};
 
 /// File name of the page.
 pub(crate) const PAGE_NAME: &str = "report.html";
@@ -26,7 +27,7 @@ pub(crate) const PAGE_NAME: &str = "report.html";
 /// ```
 /// use magsplice::Film;
 /// use magsplice::layout::Layout;
-/// use magsplice_report::{PrintedResults, Report, SvgText};
+/// use magsplice_report::{Report, ReportInput, SvgText};
 ///
 /// let layout = Layout::parse(
 ///     r#"
@@ -40,8 +41,7 @@ pub(crate) const PAGE_NAME: &str = "report.html";
 ///     "one-tile.toml",
 /// )?;
 /// let film = Film::new(layout)?;
-/// let results = PrintedResults { text: "one tile", json: "{}" };
-/// let report = Report::new(&film, None, results, SvgText::Text)?;
+/// let report = Report::new(&film, &ReportInput::default(), SvgText::Text)?;
 ///
 /// // The layout has no working volume, so the report has the tiles only.
 /// let names: Vec<String> = report.files().into_iter().map(|(name, _)| name).collect();
@@ -65,31 +65,18 @@ pub struct Report {
 impl Report {
     /// Draws all figures that the layout allows, and the page.
     ///
-    /// `samples` are films as made, whose errors two further figures show. The figures have the
-    /// accuracy of the film. `text` is the form of text in the SVG files; on the page it is always
-    /// outlines.
+    /// The figures have the accuracy of the film. `text` is the form of text in the SVG files; on
+    /// the page it is always outlines.
     ///
     /// # Errors
     /// - [`ReportError::Film`] if the film cannot be evaluated.
     /// - [`ReportError::Drawing`] if a figure cannot be drawn.
-    pub fn new(
-        film: &Film,
-        samples: Option<FilmSamples>,
-        results: PrintedResults,
-        text: SvgText,
-    ) -> Result<Report, ReportError> {
-        let survey = Survey::new(film)?.map(|survey| Survey { samples, ..survey });
-        let tiles = tiles_to_draw(film.layout());
-        let ranges = SharedRanges::default();
-        let mut drafts = drafts(film, &tiles, survey.as_ref(), &ranges)?;
-        if let Some(survey) = &survey {
-            drafts.extend(sensor_drafts(film, survey, &ranges)?);
-        }
-        let figures = rendered(film, drafts, text)?;
+    pub fn new(film: &Film, input: &ReportInput, text: SvgText) -> Result<Report, ReportError> {
+        let results = FilmResults::new(film, input)?;
+        let figures = rendered(film, drafts(&results, &SharedRanges::default())?, text)?;
         film.tell(Stage::uncounted("page"));
-        let absent = absent(film);
-        let Pages { alone, in_folder } = page(film, survey.as_ref(), &tiles, &figures, &absent, results);
-        Ok(Report { figures, html: alone, html_in_folder: in_folder, absent })
+        let Pages { alone, in_folder } = page(&results, &figures);
+        Ok(Report { figures, html: alone, html_in_folder: in_folder, absent: results.absent })
     }
 
     /// Names and contents of all files: the page, then SVG, PNG and CSV of each figure.
@@ -115,13 +102,4 @@ pub(crate) fn rendered(film: &Film, drafts: Vec<FigureDraft>, text: SvgText) -> 
             figure
         })
         .collect()
-}
-
-/// What the report of a film lacks, and why.
-pub(crate) fn absent(film: &Film) -> Vec<String> {
-    let without_volume = "no field and no decoupling: the layout has no [volume] table";
-    let without_ideal =
-        "no comparison and no decoupling: the layout has no [ideal] table that describes the ideal film";
-    let absent = [(film.volume().is_err(), without_volume), (film.ideal().is_err(), without_ideal)];
-    absent.into_iter().filter(|(is_absent, _)| *is_absent).map(|(_, what)| what.to_owned()).collect()
 }

@@ -2,7 +2,7 @@
 //! decoupling parameters, and the tiles that are drawn.
 
 use glam::DVec3;
-use magsplice::decouple::{Branch, Decoupling, Figures, Parameter, Parameters};
+use magsplice::decouple::{Branch, Decoupling, Parameter, Parameters};
 use magsplice::field::{PointErrorCause, PointErrors};
 use magsplice::layout::{Layout, NamedTile, WorkingVolume};
 use magsplice::prelude::{Accuracy, Grid, IdealFilm, Quantity, Tolerance};
@@ -67,17 +67,6 @@ pub(crate) struct Survey<'a> {
     pub(crate) round_off_t: f64,
     /// The ideal film and the decoupling parameters, if the layout has an ideal film.
     pub(crate) against_ideal: Option<AgainstIdeal<'a>>,
-    /// Samples of films as made, if they were drawn.
-    pub(crate) samples: Option<FilmSamples>,
-}
-
-/// Samples of films as made, for [`Report::new`](crate::Report::new).
-#[derive(Clone, Debug)]
-pub struct FilmSamples {
-    /// The errors of the film as it was ordered.
-    pub nominal: Figures,
-    /// The errors of each sample.
-    pub errors: Vec<Figures>,
 }
 
 /// The ideal film over the same grid, and the decoupling parameters of the spliced film.
@@ -118,7 +107,7 @@ impl<'a> Survey<'a> {
         let round_off_t = round_off_t(film, &points, field_t);
         let most_t = round_off_t.iter().copied().filter(|b| b.is_finite()).fold(0.0, f64::max);
         let field_t = field_t.iter().zip(&round_off_t).map(|(&b, &bound)| without_round_off(b, bound)).collect();
-        Ok(Some(Survey { volume, field_t, round_off_t: most_t, against_ideal, samples: None }))
+        Ok(Some(Survey { volume, field_t, round_off_t: most_t, against_ideal }))
     }
 
     /// Heights of the lowest, the middle and the highest plane of the grid, without repetition.

@@ -4,7 +4,7 @@ use std::fs;
 
 use serde_json::Value;
 
-use crate::report::{FIGURES, texts};
+use crate::report::{FIGURES, assert_links_lead_somewhere, cell_number, cells, texts};
 use crate::{Sandbox, shipped};
 
 #[test]
@@ -23,23 +23,21 @@ fn two_films_share_a_page_with_their_numbers_and_scales() {
             }
         }
     }
+    // All that the page of one film has: verdicts, tables, views, results, source.
+    assert_links_lead_somewhere(&page);
+    for part in ["verdict", "view", "map", "data", "numbers-json", "sha256"] {
+        for prefix in ["first", "second"] {
+            assert!(page.contains(&format!(" id=\"{prefix}-{part}\"")), "{prefix}-{part}");
+        }
+    }
     // Each number is the one of `decouple`, and the third column is the difference.
     let json = |layout: &str| {
         let text = sandbox.run(&["decouple", layout, "--format", "json"]).stdout;
         serde_json::from_str::<Value>(&text).expect("JSON")["uniformity_rmse"]["r_x"].as_f64().expect("a number")
     };
     let expected = [json(&layouts[0]), json(&layouts[1])];
-    let (_, row) = page.split_once("uniformity RMSE of R_x</th>").expect("a row");
-    let number = |text: &str| {
-        let text = text.replace('\u{2212}', "-");
-        let Some((digits, power)) = text.split_once(" \u{d7} 10") else { return text.parse().expect("a number") };
-        let superscripts = "\u{2070}\u{b9}\u{b2}\u{b3}\u{2074}\u{2075}\u{2076}\u{2077}\u{2078}\u{2079}";
-        let digit = |c: char| superscripts.chars().position(|s| s == c).map_or("-".to_owned(), |d| d.to_string());
-        let power: String = power.chars().map(digit).collect();
-        format!("{digits}e{power}").parse::<f64>().expect("a number")
-    };
-    let cells: Vec<f64> =
-        row.split("<td role=\"cell\">").skip(1).take(3).map(|c| number(c.split('<').next().unwrap())).collect();
+    let cells: Vec<f64> = cells(&page, "uniformity RMSE: R_x").iter().map(|cell| cell_number(cell)).collect();
+    assert_eq!(cells.len(), 3);
     for (cell, value) in cells.iter().zip([expected[0], expected[1], expected[1] - expected[0]]) {
         assert!((cell - value).abs() <= 1e-3 * value.abs(), "{cells:?}, not {expected:?}");
     }

@@ -509,9 +509,12 @@ class Film(Sensed):
         ``film.check().status`` is ``"ok"`` if the film meets all. A baseline is read, never
         written.
         """
+        return Check(_magsplice.check(self, self._baseline()))
+
+    def _baseline(self) -> Any:
+        """The baseline of the layout, or the reason why it cannot be read."""
         name = self._baseline_file
-        held = None if name is None else read_baseline(Path(self._source[-1] or ".") / name)
-        return Check(_magsplice.check(self, held))
+        return None if name is None else read_baseline(Path(self._source[-1] or ".") / name)
 
     @cached_property
     def recoil(self) -> Recoil | None:
@@ -931,15 +934,15 @@ class Film(Sensed):
         Report
             ``report.save("folder")`` writes the files; a notebook shows the page.
         """
-        text, numbers = "", "{}"
+        numbers = "{}"
         if self.grid is not None and self.ideal is not None:
             comparison, decoupling = self.compare(within=within), self.decouple(within=within)
-            text = f"{comparison}\n\n{decoupling}\n"
             numbers = json.dumps(
                 {"comparison": comparison.to_dict(), "decoupling": decoupling.to_dict()}
             )
         accepted = tolerance_of(within)
-        return Report(*_magsplice.report(self, text, numbers, outlines, accepted))
+        baseline = self._baseline()
+        return Report(*_magsplice.report(self, numbers, outlines, accepted, baseline))
 
     def view(self, height_px: int = VIEW_PX) -> Page:
         """Rotatable view of the tiles, for a notebook.

@@ -17,7 +17,7 @@ VIEW_PX = 720
 #: Largest number of tiles for a rotatable view in a notebook, which is stored in its file.
 _MOST_TILES_IN_VIEW = 2000
 #: Style that hides a report except the view of the tiles.
-_ONLY_VIEW = "header, main > section:not(:first-child) { display: none }"
+_ONLY_VIEW = "header, nav, main > section:not([data-film]) { display: none }"
 
 
 class Figure(NamedTuple):

@@ -6,9 +6,10 @@ use magsplice::magnet::Axis;
 use crate::colours::{BLUE, VERMILION};
 use crate::drawing::FigureDraft;
 use crate::error::{DrawError, ReportError};
+use crate::film_results::FilmSamples;
 use crate::panel::{AxisLabel, BELOW_PX, LEFT_PX, Panel};
+use crate::shared_ranges::SharedRanges;
 use crate::sheet::{DrawResult, LETTERS, Sheet, rectangle, sheet};
-use crate::survey::FilmSamples;
 use crate::typeset::{AXIS_NAMES, parameter, variable};
 use plotters::prelude::RGBColor;
 
@@ -43,6 +44,13 @@ pub(crate) enum ErrorKind {
 }
 
 impl ErrorKind {
+    fn file(self) -> &'static str {
+        match self {
+            ErrorKind::Displacement => "made-displacement",
+            ErrorKind::Uniformity => "made-uniformity",
+        }
+    }
+
     fn figure(self, axis: usize) -> Figure {
         match self {
             ErrorKind::Displacement => Figure::Displacement(Axis::ALL[axis]),
@@ -68,23 +76,27 @@ struct Distributions {
 }
 
 /// The figure of the errors of one kind. There must be samples.
-pub(crate) fn draft(kind: ErrorKind, samples: &FilmSamples) -> Result<FigureDraft, ReportError> {
+pub(crate) fn draft(kind: ErrorKind, samples: &FilmSamples, ranges: &SharedRanges) -> Result<FigureDraft, ReportError> {
     let of = |errors: &Figures, axis| errors.get(kind.figure(axis)).map(|value| UM_PER_MM * value);
     let sorted = [0, 1, 2].map(|axis| {
         let mut values: Vec<f64> = samples.errors.iter().filter_map(|errors| of(errors, axis)).collect();
         values.sort_by(f64::total_cmp);
         values
     });
-    let errors = Distributions { kind, sorted, nominal: [0, 1, 2].map(|axis| of(&samples.nominal, axis)) };
-    let (name, error) = match kind {
-        ErrorKind::Displacement => ("made-displacement", "displacement RMSE"),
-        ErrorKind::Uniformity => ("made-uniformity", "uniformity RMSE"),
+    let errors = Distributions {
+        kind,
+        sorted,
+        nominal: [0, 1, 2].map(|axis| of(&samples.found.figures.map(|of| of.nominal), axis)),
+    };
+    let error = match kind {
+        ErrorKind::Displacement => "displacement RMSE",
+        ErrorKind::Uniformity => "uniformity RMSE",
     };
     let caption = format!(
         "The {error} of films as made, with the errors of [tolerance]. Above: the number of films in ranges of equal \
          width. Below: the share of the films with a smaller error."
     );
-    FigureDraft::new(name, caption, errors.draw(), errors.csv())
+    FigureDraft::new(kind.file(), caption, errors.draw(ranges), errors.csv())
 }
 
 /// The shares of films at which quantiles are drawn and written.
@@ -93,17 +105,19 @@ fn shares() -> impl Iterator<Item = f64> {
 }
 
 impl Distributions {
-    fn draw(&self) -> Result<String, DrawError> {
+    fn draw(&self, ranges: &SharedRanges) -> Result<String, DrawError> {
         let width = MARGIN_PX + 3.0 * (LEFT_PX + SIDE_PX) + 16.0;
         let lower = TOP_PX + HISTOGRAM_PX + BETWEEN_PX;
         sheet([width, lower + DISTRIBUTION_PX + BELOW_PX + 8.0], |sheet| {
             legend(sheet, self.sorted.iter().map(Vec::len).max().unwrap_or(0))?;
             for axis in 0..3 {
                 let (sorted, Some(nominal)) = (&self.sorted[axis], self.nominal[axis]) else { continue };
-                let x = range(sorted, nominal);
+                let key = |what: &str| format!("{} {axis} {what}", self.kind.file());
+                let x = ranges.widened(&key("x"), range(sorted, nominal));
                 let left = MARGIN_PX + LEFT_PX + axis as f64 * (LEFT_PX + SIDE_PX);
                 let counts = counts(sorted, x);
                 let most = counts.iter().copied().max().unwrap_or(1) as f64;
+                let [_, most] = ranges.widened(&key("films"), [0.0, most]);
                 let upper = Panel { left, top: TOP_PX, width: SIDE_PX, height: HISTOGRAM_PX, x, y: [0.0, 1.08 * most] };
                 bars(sheet, &upper, &counts)?;
                 vertical(sheet, &upper, nominal, VERMILION, 1.8)?;

@@ -14,6 +14,7 @@ use crate::drawing::{Drawing, FigureDraft, SvgText};
 use crate::error::{DrawError, ReportError};
 use crate::flux_unit::{FluxUnit, flux_unit, largest_component_t};
 use crate::panel::{AxisLabel, BELOW_PX, LEFT_PX, Panel, padded};
+use crate::shared_ranges::SharedRanges;
 use crate::sheet::{DrawResult, LETTERS, Sheet, sheet};
 use crate::survey::as_vector;
 use crate::typeset::{AXIS_NAMES, parameter, symbol, variable};
@@ -57,23 +58,23 @@ impl Line {
 /// # Errors
 /// [`ReportError::Drawing`] if it cannot be drawn.
 pub fn experiment_figure(experiments: &FilmExperiments, text: SvgText) -> Result<Drawing, ReportError> {
-    draft(experiments)?.rendered(text)
+    draft(experiments, &SharedRanges::default())?.rendered(text)
 }
 
-pub(crate) fn draft(experiments: &FilmExperiments) -> Result<FigureDraft, ReportError> {
+pub(crate) fn draft(experiments: &FilmExperiments, ranges: &SharedRanges) -> Result<FigureDraft, ReportError> {
     let quantity = if experiments.elastomer.is_some() { "force" } else { "displacement" };
     let caption = format!(
         "The film is moved along x, y and z: the readings of the sensor, their decoupling parameters, and the {quantity} \
          along the axis of motion: the true one, by the closed form (Eq. 14), and by the field of the layout."
     );
-    FigureDraft::new("experiment", caption, draw(experiments), csv(experiments))
+    FigureDraft::new("experiment", caption, draw(experiments, ranges), csv(experiments))
 }
 
-fn draw(experiments: &FilmExperiments) -> Result<String, DrawError> {
+fn draw(experiments: &FilmExperiments, ranges: &SharedRanges) -> Result<String, DrawError> {
     let left = |column: usize| LEFT_PX + 12.0 + column as f64 * (WIDTH_PX + LEFT_PX + ASIDE_PX);
     let top = |row: usize| TOP_PX + row as f64 * (HEIGHT_PX + BETWEEN_PX);
     let readings = experiments.steps.iter().flatten().map(|step| step.reading_t);
-    let unit = flux_unit(largest_component_t(readings));
+    let unit = flux_unit(ranges.widened("experiment unit", [0.0, largest_component_t(readings)])[1]);
     sheet([left(2) + WIDTH_PX + 14.0, top(2) + HEIGHT_PX + BELOW_PX + 6.0], |sheet| {
         for (axis, steps) in experiments.steps.iter().enumerate() {
             let at: Vec<f64> = steps.iter().map(|step| step.displacement[axis]).collect();
@@ -84,8 +85,10 @@ fn draw(experiments: &FilmExperiments) -> Result<String, DrawError> {
                 (told, unit_told),
             ];
             for (row, (lines, name)) in rows.into_iter().enumerate() {
-                let y = padded(lines.iter().flat_map(|line| line.values.iter().copied()));
-                let x = padded(at.iter().copied());
+                let shared = |what: &str, own: [f64; 2]| ranges.widened(&format!("experiment {axis} {what}"), own);
+                let of_lines = lines.iter().flat_map(|line| line.values.iter().copied());
+                let y = shared(&format!("{row} {}", name), padded(of_lines));
+                let x = shared("x", padded(at.iter().copied()));
                 let panel = Panel::new([left(axis), top(row)], [WIDTH_PX, HEIGHT_PX], x, y);
                 lines.iter().try_for_each(|line| draw_line(sheet, &panel, &at, line))?;
                 let displacement = format!("displacement of the film along {} (mm)", variable(AXIS_NAMES[axis]));

@@ -14,6 +14,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use anstream::{AutoStream, ColorChoice};
+use magsplice::decouple::Figures;
 use magsplice::expect::{Baseline, BaselineDifference, Expectation};
 use magsplice::layout::Layout;
 use magsplice::magnet::Grid;
@@ -134,23 +135,36 @@ fn check(path: &Path, update: bool, quiet: bool, progress: &Arc<ProgressLine>) -
             return checked.with_expectations(stated.map(unusable).collect());
         }
     };
-    let mut started = Instant::now();
-    let baseline = baseline(&session, &film, update, |file, points, how_far| {
+    let expectations = expectations(&session, &film, update, &[], |file, points, how_far| {
         session.tell(&format!("wrote {}, {points} points: {how_far}", file.display()));
         checked.moved = Some(how_far);
-    });
-    let mut expectations = Vec::new();
-    film.each_outcome(baseline.as_ref().and_then(|b| b.as_ref().ok()), |expectation, outcome| {
-        let outcome = match (&baseline, expectation) {
-            (Some(Err(failure)), Expectation::Field) => Err(failure.to_string()),
-            _ => outcome.map_err(|error| session.failed(error).to_string()),
-        };
-        expectations.push(CheckedExpectation::new(expectation, outcome, layout, started.elapsed()));
-        started = Instant::now();
     });
     // Where a film has no estimate, its figures say so.
     checked.recoil_estimates = RecoilEstimate::of_stated(layout).unwrap_or_default();
     checked.with_expectations(expectations)
+}
+
+/// The expectations of a film, checked. `made` are the errors of the first films as made, as far as
+/// they are known.
+pub(super) fn expectations(
+    session: &Session,
+    film: &Film,
+    update: bool,
+    made: &[Figures],
+    wrote: impl FnOnce(&Path, usize, String),
+) -> Vec<CheckedExpectation> {
+    let mut started = Instant::now();
+    let baseline = baseline(session, film, update, wrote);
+    let mut expectations = Vec::new();
+    film.each_outcome(baseline.as_ref().and_then(|b| b.as_ref().ok()), made, |expectation, outcome| {
+        let outcome = match (&baseline, expectation) {
+            (Some(Err(failure)), Expectation::Field) => Err(failure.to_string()),
+            _ => outcome.map_err(|error| session.failed(error).to_string()),
+        };
+        expectations.push(CheckedExpectation::new(expectation, outcome, &session.layout, started.elapsed()));
+        started = Instant::now();
+    });
+    expectations
 }
 
 /// Refuses layouts with the same file as their baseline: the last would replace the results of the

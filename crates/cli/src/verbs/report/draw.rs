@@ -6,18 +6,17 @@ use std::path::{Path, PathBuf};
 
 use magsplice::layout::Layout;
 use magsplice::magnet::Accuracy;
-use magsplice::results::{FilmEvaluation, Source};
+use magsplice::results::Source;
 use magsplice::{Film, FilmError};
-use magsplice_report::{FilmSamples, PairReport, PrintedResults, Report, ReportError, SvgText};
+use magsplice_report::{FilmSamples, PairReport, Report, ReportError, ReportInput, SvgText};
 
 use super::destination::Destination;
 use crate::failure::Failure;
 use crate::output::json;
 use crate::remarks;
 use crate::session::Session;
-use crate::text;
 use crate::text::number::counted;
-use crate::verbs::{decouple, resolution, tolerance};
+use crate::verbs::{check, tolerance};
 
 /// How a report is drawn.
 pub(super) struct Drawing<'a> {
@@ -40,11 +39,8 @@ impl Drawing<'_> {
         let session = Session::open(path, remarks::OF_COMPARISONS, self.quiet)?;
         let film = session.film()?.with_accuracy(self.accuracy);
         let destination = Destination::open(self.output, &[path])?;
-        let (mut text, json) = numbers(&film).map_err(|error| session.failed(error))?;
-        let samples = samples(&session, &film, &mut text)?;
-        of_sensor(&film, &mut text).map_err(|error| session.failed(error))?;
-        let results = PrintedResults { text: &text, json: &json };
-        let report = Report::new(&film, samples, results, self.text).map_err(|error| failure(&session, error))?;
+        let input = input(&session, &film)?;
+        let report = Report::new(&film, &input, self.text).map_err(|error| failure(&session, error))?;
         let (page, beside) = destination.write(self.output, &report.html, report.files())?;
         let mut said = format!("{}: {}{beside}\n", page.display(), counted(report.figures.len(), "figure", "figures"));
         for absent in &report.absent {
@@ -60,11 +56,10 @@ impl Drawing<'_> {
         let film = |session: &Session| Ok::<Film, Failure>(session.film()?.with_accuracy(self.accuracy));
         let films = [film(&sessions[0])?, film(&sessions[1])?];
         let destination = Destination::open(self.output, &paths)?;
-        let evaluated = |index: usize| evaluated(&films[index]).map_err(|error| sessions[index].failed(error));
-        let evaluations = [evaluated(0)?, evaluated(1)?];
+        let inputs = [input(&sessions[0], &films[0])?, input(&sessions[1], &films[1])?];
         let labels = paths.map(|path| path.display().to_string());
         let labels = [labels[0].as_str(), labels[1].as_str()];
-        let report = PairReport::new([&films[0], &films[1]], labels, &evaluations, self.text);
+        let report = PairReport::new([&films[0], &films[1]], labels, &inputs, self.text);
         let report = report.map_err(|error| failure(&sessions[0], error))?;
         let (page, beside) = destination.write(self.output, &report.html, report.files())?;
         let [first, second] = report.figures.each_ref().map(Vec::len);
@@ -79,8 +74,17 @@ impl Drawing<'_> {
     }
 }
 
-/// Samples of films as made, if the layout has their errors. Appends their statistics to `text`.
-fn samples(session: &Session, film: &Film, text: &mut String) -> Result<Option<FilmSamples>, Failure> {
+/// What the page shows of a film beside its field.
+fn input(session: &Session, film: &Film) -> Result<ReportInput, Failure> {
+    let samples = samples(session, film)?;
+    let made = samples.as_ref().map_or(&[][..], |samples| &samples.errors);
+    let expectations = check::expectations(session, film, false, made, |_, _, _| ());
+    let json = numbers(film).map_err(|error| session.failed(error))?;
+    Ok(ReportInput { expectations, json, samples })
+}
+
+/// Samples of films as made, if the layout has their errors.
+fn samples(session: &Session, film: &Film) -> Result<Option<FilmSamples>, Failure> {
     let layout = &*session.layout;
     let Layout { tolerance: Some(stated), ideal: Some(_), volume: Some(_), .. } = layout else { return Ok(None) };
     let failed = |error| tolerance::sampling::sampling_failure(session, error);
@@ -89,21 +93,7 @@ fn samples(session: &Session, film: &Film, text: &mut String) -> Result<Option<F
     let mut errors = Vec::new();
     tolerance::draw(session, &sampling, &run, None, &mut errors, |_| Ok(ControlFlow::Continue(())))?;
     let found = sampling.statistics(run, None, &errors).map_err(failed)?;
-    let _ = write!(text, "\nfilms as made: {}", tolerance::text::samples(film, &found));
-    Ok(Some(FilmSamples { nominal: found.figures.map(|figure| figure.nominal), errors }))
-}
-
-/// Appends the resolution of the sensor to `text`, if the layout states one with noise.
-fn of_sensor(film: &Film, text: &mut String) -> Result<(), FilmError> {
-    if film.volume().is_err() || film.layout().sensor.is_none() {
-        return Ok(());
-    }
-    match film.resolution(None) {
-        Ok(found) => *text += &format!("\nsensor: {}", resolution::text(&found)),
-        Err(FilmError::NoNoise) => {}
-        Err(error) => return Err(error),
-    }
-    Ok(())
+    Ok(Some(FilmSamples { found, errors }))
 }
 
 fn failure(session: &Session, error: ReportError) -> Failure {
@@ -113,19 +103,11 @@ fn failure(session: &Session, error: ReportError) -> Failure {
     }
 }
 
-/// The film evaluated; `None` if its layout has no working volume or no ideal film.
-fn evaluated(film: &Film) -> Result<Option<FilmEvaluation>, FilmError> {
-    if film.ideal().is_ok() && film.volume().is_ok() { film.evaluate().map(Some) } else { Ok(None) }
-}
-
-/// The numbers of the page, as `decouple` prints them, as text and JSON: as many as the tables of
-/// the layout allow.
-fn numbers(film: &Film) -> Result<(String, String), FilmError> {
-    if let Some(found) = evaluated(film)? {
-        return Ok((decouple::text(&found), json::pretty(&found)));
+/// The numbers of the page as JSON, as `decouple` prints them: as many as the tables of the layout
+/// allow.
+fn numbers(film: &Film) -> Result<String, FilmError> {
+    if film.ideal().is_ok() && film.volume().is_ok() {
+        return Ok(json::pretty(&film.evaluate()?));
     }
-    let json = json::pretty(&Source::of(film));
-    let Ok(volume) = film.volume() else { return Ok((text::header::layout(film.layout()), json)) };
-    let field = decouple::field(film, film.reference_field_t()?, film.volume_field_t()?, "volume");
-    Ok((format!("{}\n{field}", text::header::film(film, volume)), json))
+    Ok(json::pretty(&Source::of(film)))
 }
