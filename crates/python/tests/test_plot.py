@@ -44,6 +44,22 @@ def test_field_maps_show_the_field(published, ax, component, of):
     assert ax.get_title() == "z = -4 mm"
 
 
+def test_maps_follow_the_rules_of_reports(published, ax):
+    plot.field_map(published, "bz", ax=ax)
+    film = ax.collections[0]
+    plot.field_map(published, "bz", ax=ax, of="ideal")
+    ideal = ax.collections[1]
+    # Compared maps share a scale; values of one sign begin at zero; the map ends with the volume.
+    assert film.get_clim() == ideal.get_clim()
+    assert film.get_clim()[0] == 0 and film.get_cmap().name == "viridis"
+    assert np.allclose(film.get_datalim(ax.transData).bounds, [-2, -2, 4, 4])
+    plot.field_map(published, "bx", ax=ax)
+    assert ax.collections[2].get_cmap().name == "RdBu_r"
+    # B_x is 0 where x = 0, but for round-off.
+    middle = np.asarray(ax.collections[2].get_array()).reshape(81, 81)[:, 40]
+    assert (middle == 0).all()
+
+
 def test_parameter_maps_have_rows_along_y(published, ax):
     plot.parameter_map(published, "r_x", ax=ax)
     values = np.asarray(ax.collections[0].get_array()).reshape(81, 81)

@@ -53,13 +53,20 @@ function showMap(data, page) {
     const signed = map.signed;
     if (low > high) return [0, 1, signed];
     if (signed) {
-      // Values of one sign use one half of the palette.
+      // Values of one sign have all colours of the other palette, from zero or from the value
+      // nearest to it, as in the figures.
       const slight = 0.02 * (high - low);
       const reach = Math.max(-low, high) || most_t || 1;
       const [below, above] = [low < -slight, high > slight];
       if (below === above) return [-reach, reach, signed];
-      return above ? [0, reach, signed] : [-reach, 0, signed];
+      if (above && low <= 0.5 * high) low = 0;
+      if (below && high >= 0.5 * low) high = 0;
+      return spread(low, high, false);
     }
+    return spread(low, high, signed);
+  }
+  // A constant also needs a range.
+  function spread(low, high, signed) {
     if (high - low <= 1e-9 * Math.max(Math.abs(low), Math.abs(high))) {
       const half = low === 0 ? 1 : 0.1 * Math.abs(low);
       return [low - half, high + half, signed];
@@ -75,12 +82,13 @@ function showMap(data, page) {
     for (let n = Math.ceil(low / step - 1e-9); n <= Math.floor(high / step + 1e-9); n++) values.push(n * step);
     return values;
   }
-  // The sides of the cells. A side lies half way between two neighbouring coordinates.
+  // The sides of the cells. A side lies half way between two neighbouring coordinates, and the map
+  // ends at the first and the last point, where the volume ends.
   function sides(coordinates) {
     const n = coordinates.length;
     if (n === 1) return [coordinates[0] - 0.5, coordinates[0] + 0.5];
     const middles = coordinates.slice(1).map((c, i) => (c + coordinates[i]) / 2);
-    return [2 * coordinates[0] - middles[0], ...middles, 2 * coordinates[n - 1] - middles[n - 2]];
+    return [coordinates[0], ...middles, coordinates[n - 1]];
   }
   const [xSides, ySides] = [sides(xs), sides(ys)];
   const [x0, x1, y0, y1] = [xSides[0], xSides[xs.length], ySides[0], ySides[ys.length]];

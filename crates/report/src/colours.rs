@@ -45,17 +45,18 @@ pub(crate) enum Palette {
 const LINES_FRACTION: f32 = 0.86;
 
 impl ColourScale {
-    /// The diverging scale for a range of values whose zero has a meaning. Values of one sign get
-    /// the half of the palette that is theirs, so that a quantity has the same colours in all
-    /// figures. The range may be empty.
+    /// The scale for a range of values whose zero has a meaning: the diverging scale for both
+    /// signs. Values of one sign get all colours of the sequential scale, from zero, or from the
+    /// value nearest to zero if it is more than half the value at the other end. The range may be
+    /// empty.
     pub(crate) fn signed([low, high]: [f64; 2]) -> ColourScale {
+        let [least, most] = [low, high];
         let (low, high) = if low <= high { (low.min(0.0), high.max(0.0)) } else { (0.0, 0.0) };
         let slight = ONE_SIGN_TOLERANCE * (high - low);
-        let whole = ColourScale::symmetric(high.max(-low));
         match (-low > slight, high > slight) {
-            (false, true) => ColourScale { low: 0.0, ..whole },
-            (true, false) => ColourScale { high: 0.0, ..whole },
-            _ => whole,
+            (false, true) => ColourScale::without_zero([if least > 0.5 * high { least } else { 0.0 }, high]),
+            (true, false) => ColourScale::without_zero([low, if most < 0.5 * low { most } else { 0.0 }]),
+            _ => ColourScale::symmetric(high.max(-low)),
         }
     }
 
@@ -165,10 +166,10 @@ mod tests {
         // Blue below zero, red above.
         assert!(map.colour(-1.0)[2] > map.colour(-1.0)[0] && map.colour(1.0)[0] > map.colour(1.0)[2]);
         assert_eq!(map.colour(f64::NAN), NO_VALUE);
-        // Values of one sign have the same colours, and only theirs.
-        let negative = ColourScale::signed([-1.0, -0.5]);
-        assert_eq!(negative, ColourScale { low: -1.0, high: 0.0, palette: Palette::Diverging });
-        assert_eq!(negative.mapper().colour(-0.5), map.colour(-0.5));
+        // Values of one sign have all colours, from zero or from the value nearest to it.
+        for (range, [low, high]) in [([0.3, 1.0], [0.0, 1.0]), ([0.8, 1.0], [0.8, 1.0]), ([-1.0, -0.1], [-1.0, 0.0])] {
+            assert_eq!(ColourScale::signed(range), ColourScale { low, high, palette: Palette::Sequential });
+        }
         assert_eq!(ColourScale::signed([0.0, 0.0]), ColourScale::symmetric(1.0));
     }
 

@@ -6,7 +6,8 @@ use magsplice::results::{CheckedExpectation, FilmEvaluation, FilmResolution, Res
 use magsplice::{Film, FilmError};
 
 use crate::error::ReportError;
-use crate::survey::{Survey, tiles_to_draw};
+use crate::page_data::page_grid;
+use crate::survey::{GridField, Survey, tiles_to_draw};
 
 /// What a report shows of a film beside what it computes itself.
 #[derive(Clone, Debug, Default)]
@@ -36,6 +37,8 @@ pub(crate) struct FilmResults<'a> {
     pub(crate) tiles: Vec<&'a NamedTile>,
     /// `None` without a working volume.
     pub(crate) survey: Option<Survey<'a>>,
+    /// The field at the points of the map on the page.
+    pub(crate) page_field: Option<GridField>,
     /// `None` without an ideal film or a working volume.
     pub(crate) evaluation: Option<FilmEvaluation>,
     /// `None` without noise of a sensor.
@@ -48,7 +51,10 @@ impl<'a> FilmResults<'a> {
     pub(crate) fn new(film: &'a Film, input: &'a ReportInput) -> Result<FilmResults<'a>, ReportError> {
         let survey = Survey::new(film)?;
         let evaluation = if film.ideal().is_ok() && survey.is_some() { Some(film.evaluate()?) } else { None };
+        let page_field =
+            survey.as_ref().map(|survey| GridField::new(film, page_grid(&survey.volume.grid))).transpose()?;
         Ok(FilmResults {
+            page_field,
             film,
             input,
             tiles: tiles_to_draw(film.layout()),

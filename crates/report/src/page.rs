@@ -7,7 +7,7 @@ use crate::drawing::Drawing;
 use crate::film_results::FilmResults;
 use crate::html::{Pages, contents, escaped, figure_element, filled, head, in_script};
 use crate::number_tables::{entries, number_tables, tables_of_film};
-use crate::page_data::{page_data_json, strides};
+use crate::page_data::{page_data_json, refinement, strides};
 use crate::typeset::AXIS_NAMES;
 use crate::verdict::summary;
 
@@ -78,7 +78,8 @@ pub(crate) fn views(of: &FilmResults, prefix: &str, film: &str) -> String {
 
 /// The results and the data of the views as script elements.
 pub(crate) fn data(of: &FilmResults, prefix: &str) -> String {
-    let (json, data) = (in_script(&of.input.json), in_script(&page_data_json(&of.tiles, of.survey.as_ref())));
+    let (json, data) =
+        (in_script(&of.input.json), in_script(&page_data_json(&of.tiles, of.survey.as_ref(), of.page_field.as_ref())));
     format!(
         "<script type=\"application/json\" id=\"{prefix}numbers-json\">{json}</script>\n<script type=\"application/json\" \
          id=\"{prefix}data\">{data}</script>\n"
@@ -108,8 +109,13 @@ pub(crate) fn facts(of: &FilmResults, prefix: &str) -> String {
         let step = if s.x == s.y && s.x == s.z { format!("{}", s.x) } else { format!("{}, {}, {}", s.x, s.y, s.z) };
         let along = AXIS_NAMES.iter().zip(strides).filter(|(_, stride)| *stride > 1);
         let along: Vec<String> = along.map(|(axis, stride)| format!("one point of {stride} along {axis}")).collect();
-        let thinned =
-            if along.is_empty() { String::new() } else { format!("; the map on this page shows {}", along.join(", ")) };
+        let thinned = if refinement(v.grid.counts())[0] > 1 {
+            "; the map on this page also shows the field between them".to_owned()
+        } else if along.is_empty() {
+            String::new()
+        } else {
+            format!("; the map on this page shows {}", along.join(", "))
+        };
         let text = format!("{ranges}, step {step} mm, {} points{thinned}", v.grid.len());
         facts.push(("Working volume", text));
         facts.push(("Reference point", format!("({}, {}, {}) mm", r.x, r.y, r.z)));

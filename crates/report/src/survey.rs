@@ -1,6 +1,8 @@
 //! The numbers that the figures and the page draw: the field of the film and of the ideal film, the
 //! decoupling parameters, and the tiles that are drawn.
 
+use std::ops::Deref;
+
 use glam::DVec3;
 use magsplice::decouple::{Branch, Decoupling, Parameter, Parameters};
 use magsplice::field::{PointErrorCause, PointErrors};
@@ -72,8 +74,6 @@ pub(crate) struct Survey<'a> {
 /// The ideal film over the same grid, and the decoupling parameters of the spliced film.
 pub(crate) struct AgainstIdeal<'a> {
     pub(crate) film: &'a IdealFilm,
-    /// B of the ideal film in tesla on the grid of the volume, z fastest.
-    pub(crate) field_t: Vec<DVec3>,
     pub(crate) decoupling: Decoupling,
     /// The branch of the arctangents on the axis of the film.
     pub(crate) branch: Branch,
@@ -90,12 +90,9 @@ impl<'a> Survey<'a> {
             Ok(ideal) => {
                 let decoupling = film.decouple()?.decoupling;
                 let amplitude = film.compare()?.comparison.amplitude;
-                let at = |p| ideal.flux_density_t(p).ok_or(FilmError::NotBelow(p));
-                let ideal_t = volume.grid.points().map(at).collect::<Result<Vec<DVec3>, FilmError>>()?;
                 // decouple() returned, so the reference point has parameters and thus a branch.
                 Branch::from_axis_field(film.reference_field_t()?).map(|branch| AgainstIdeal {
                     film: ideal,
-                    field_t: ideal_t.into_iter().map(|b| without_round_off(b, IDEAL_ROUND_OFF * b.length())).collect(),
                     decoupling,
                     branch,
                     amplitude,
@@ -136,31 +133,18 @@ pub(crate) fn as_vector(parameters: Option<Parameters>) -> DVec3 {
     parameters.map_or(DVec3::NAN, |p| DVec3::from(Parameter::ALL.map(|parameter| p.get(parameter))))
 }
 
-/// The field on a plane through the working volume, in cells. Values of cells are in the order of
-/// the grid: the second axis runs fastest.
-pub(crate) struct FieldSlice {
-    /// The axis normal to the plane, and the coordinate of the plane along it.
-    pub(crate) normal: usize,
-    pub(crate) at_mm: f64,
-    /// The two axes that span the plane.
-    pub(crate) axes: [usize; 2],
-    /// Lower and upper end along these axes, in millimetres.
-    pub(crate) ranges_mm: [[f64; 2]; 2],
-    /// The centres of the cells.
+/// The field at the points of a grid. Values are in the order of the grid: the last axis runs
+/// fastest.
+pub(crate) struct GridField {
     pub(crate) grid: Grid,
-    /// B in the cells, in tesla.
+    /// B in tesla; NaN where it is unbounded. Components that are round-off are 0.
     pub(crate) field_t: Vec<DVec3>,
     /// Components of B up to this are round-off, in tesla.
     round_off_t: Vec<f64>,
 }
 
-impl FieldSlice {
-    /// The slice of the working volume where coordinate `normal` is `at_mm`, with B at the centre
-    /// of each cell. B is NaN where it is unbounded.
-    pub(crate) fn new(film: &Film, volume: &WorkingVolume, normal: usize, at_mm: f64) -> Result<FieldSlice, FilmError> {
-        let (axes, grid) = (in_plane(normal), cells_of_plane(volume, normal, at_mm, MAP_CELLS));
-        let [lower, upper] = mapped_region(volume);
-        let ranges_mm = axes.map(|axis| [lower[axis], upper[axis]]);
+impl GridField {
+    pub(crate) fn new(film: &Film, grid: Grid) -> Result<GridField, FilmError> {
         let mut field_t = vec![DVec3::ZERO; grid.len()];
         if let Err(PointErrors(mut errors)) =
             film.scene().field_on_grid_into(Quantity::FluxDensity, &grid, &mut field_t)
@@ -175,12 +159,7 @@ impl FieldSlice {
         for (b, &bound) in field_t.iter_mut().zip(&round_off_t) {
             *b = without_round_off(*b, bound);
         }
-        Ok(FieldSlice { normal, at_mm, axes, ranges_mm, grid, field_t, round_off_t })
-    }
-
-    /// Number of cells along the two axes.
-    pub(crate) fn cells(&self) -> [usize; 2] {
-        self.axes.map(|axis| self.grid.counts()[axis])
+        Ok(GridField { grid, field_t, round_off_t })
     }
 
     /// B of the ideal film in tesla; NaN where Eq. 2 does not hold.
@@ -213,11 +192,47 @@ impl FieldSlice {
         self.field_t.iter().zip(&self.round_off_t).map(of_cell).collect()
     }
 
-    /// Differences of S_z up to this are round-off in each cell: an error of B of one bound changes
-    /// S_z by at most a few times the bound over the largest component of B.
+    /// Differences of S_z up to this are round-off at each point: an error of B of one bound
+    /// changes S_z by at most a few times the bound over the largest component of B.
     pub(crate) fn log_round_off(&self) -> impl Iterator<Item = f64> {
         let of_cell = |(b, bound): (&DVec3, &f64)| BOUNDS_PER_PARAMETER * bound / b.abs().max_element();
         self.field_t.iter().zip(&self.round_off_t).map(of_cell)
+    }
+}
+
+/// The field on a plane through the working volume, at the centres of cells.
+pub(crate) struct FieldSlice {
+    /// The axis normal to the plane, and the coordinate of the plane along it.
+    pub(crate) normal: usize,
+    pub(crate) at_mm: f64,
+    /// The two axes that span the plane.
+    pub(crate) axes: [usize; 2],
+    /// Lower and upper end along these axes, in millimetres.
+    pub(crate) ranges_mm: [[f64; 2]; 2],
+    field: GridField,
+}
+
+impl Deref for FieldSlice {
+    type Target = GridField;
+
+    fn deref(&self) -> &GridField {
+        &self.field
+    }
+}
+
+impl FieldSlice {
+    /// The slice of the working volume where coordinate `normal` is `at_mm`, with B at the centre
+    /// of each cell. B is NaN where it is unbounded.
+    pub(crate) fn new(film: &Film, volume: &WorkingVolume, normal: usize, at_mm: f64) -> Result<FieldSlice, FilmError> {
+        let (axes, [lower, upper]) = (in_plane(normal), mapped_region(volume));
+        let ranges_mm = axes.map(|axis| [lower[axis], upper[axis]]);
+        let field = GridField::new(film, cells_of_plane(volume, normal, at_mm, MAP_CELLS))?;
+        Ok(FieldSlice { normal, at_mm, axes, ranges_mm, field })
+    }
+
+    /// Number of cells along the two axes.
+    pub(crate) fn cells(&self) -> [usize; 2] {
+        self.axes.map(|axis| self.grid.counts()[axis])
     }
 }
 

@@ -9,6 +9,7 @@ import numpy as np
 from magsplice._arguments import one_of
 from magsplice._film import Film
 from magsplice._layout import Floats, Grid
+from magsplice.errors import MagspliceError
 from magsplice.plot._axes import axes_or_new
 
 if TYPE_CHECKING:
@@ -16,6 +17,10 @@ if TYPE_CHECKING:
 
 #: Points of a map along its longer side.
 _MAP_POINTS = 81
+#: Values of one sign may exceed zero on the other side by this fraction of their range.
+_ONE_SIGN = 0.02
+#: Error bounds by which a component of B must exceed zero, as in a report.
+_BOUNDS_OF_ZERO = 2.0
 #: Arrows along each side of the volume.
 _ARROWS = 17
 
@@ -30,6 +35,9 @@ def field_map(
     **options: Any,
 ) -> Axes:
     """Map of B in millitesla on a plane of the working volume (Dai 2024, Fig. 6).
+
+    The rules are those of a report: round-off is 0, the maps of the film and of its ideal film have
+    the same colour scale, and values of one sign have a sequential scale.
 
     Parameters
     ----------
@@ -48,18 +56,29 @@ def field_map(
     one_of("of", of, ("film", "ideal", "difference"))
     ax = axes_or_new(ax)
     grid, z = _plane(film, z_mm)
-    field_t = film.ideal_b(grid) if of == "ideal" else film.b(grid, invalid="nan")
+    round_off_t = _BOUNDS_OF_ZERO * film.error_bound(grid)[..., np.newaxis]
+    ideal_t = _comparable_t(film, grid) if of == "film" else film.ideal_b(grid)
+    film_t = film.b(grid, invalid="nan")
+    shown = {"film": film_t, "ideal": ideal_t, "difference": film_t}[of]
     if of == "difference":
-        field_t = field_t - film.ideal_b(grid)
-    if component == "magnitude":
-        values, symbol = np.linalg.norm(field_t, axis=-1), "|B|"
-    else:
-        values, symbol = field_t[..., "xyz".index(component[1])], f"$B_{component[1]}$"
+        shown = film_t - ideal_t
+
+    def mapped(field_t: Floats) -> Floats:
+        field_t = np.where(np.abs(field_t) <= round_off_t, 0.0, field_t)
+        if component == "magnitude":
+            return 1e3 * np.linalg.norm(field_t, axis=-1)[..., 0]
+        return 1e3 * field_t[..., 0, "xyz".index(component[1])]
+
+    values = mapped(shown)
+    is_alone = of == "difference" or ideal_t is None
+    compared = [values] if is_alone else [mapped(film_t), mapped(ideal_t)]
+    symbol = "|B|" if component == "magnitude" else f"$B_{component[1]}$"
     name = {"film": "", "ideal": " of the ideal film", "difference": ", film minus ideal"}[of]
     if component == "magnitude" and of == "difference":
         symbol, name = "|B of the film - B of the ideal film|", ""
     label = f"{symbol}{name}, mT"
-    return _map(1e3 * values[..., 0], grid, z, label, ax, component != "magnitude", **options)
+    options = {**_colours(compared), **options}
+    return _map(values, grid, z, label, ax, **options)
 
 
 def arrows(
@@ -133,7 +152,9 @@ def parameter_map(
     one_of("parameter", parameter, ("r_x", "r_y", "s_z"))
     values = getattr(film.decouple(grid.points_mm), parameter)[..., 0]
     label = {"r_x": "$R_x$, rad", "r_y": "$R_y$, rad", "s_z": "$S_z$"}[parameter]
-    return _map(values, grid, z, label, ax, parameter != "s_z", **options)
+    if parameter != "s_z":
+        options = {**_colours([values]), **options}
+    return _map(values, grid, z, label, ax, **options)
 
 
 def resolution_map(
@@ -161,7 +182,8 @@ def resolution_map(
     ax = axes_or_new(ax)
     grid, z = _plane(film, z_mm)
     values = film.resolution(grid, noise_t=noise_t)[..., 0, "xyz".index(axis)]
-    return _map(values, grid, z, f"deviation of {axis}, mm", ax, False, **options)
+    options = {"vmin": 0.0, **options}
+    return _map(values, grid, z, f"deviation of {axis}, mm", ax, **options)
 
 
 def _plane(film: Film, z_mm: float | None) -> tuple[Grid, float]:
@@ -173,13 +195,36 @@ def _plane(film: Film, z_mm: float | None) -> tuple[Grid, float]:
     return Grid((x0, y0, z), (x1, y1, z), (counts[0], counts[1], 1)), z
 
 
-def _map(
-    values: Floats, grid: Grid, z_mm: float, label: str, ax: Axes, centred: bool, **options: Any
-) -> Axes:
-    if centred:
-        most = float(np.nanmax(np.abs(values), initial=0.0)) or 1.0
-        options = {"cmap": "RdBu_r", "vmin": -most, "vmax": most, **options}
-    mesh = ax.pcolormesh(grid.x_mm, grid.y_mm, values.T, shading="nearest", **options)
+def _comparable_t(film: Film, grid: Grid) -> Floats | None:
+    """B of the ideal film; None where there is none, so that no map is compared with it."""
+    try:
+        return film.ideal_b(grid)
+    except (MagspliceError, ValueError):
+        return None
+
+
+def _colours(compared: list[Floats]) -> dict[str, Any]:
+    """Colour scale of values whose zero has a meaning, the same for all compared maps."""
+    finite = [values[np.isfinite(values)] for values in compared]
+    low = min((float(values.min()) for values in finite if values.size), default=0.0)
+    high = max((float(values.max()) for values in finite if values.size), default=0.0)
+    slight = _ONE_SIGN * (max(high, 0.0) - min(low, 0.0))
+    if high > slight and low >= -slight:
+        return {"cmap": "viridis", "vmin": low if low > 0.5 * high else 0.0, "vmax": high}
+    if low < -slight and high <= slight:
+        return {"cmap": "viridis", "vmin": low, "vmax": high if high < 0.5 * low else 0.0}
+    most = max(high, -low) or 1.0
+    return {"cmap": "RdBu_r", "vmin": -most, "vmax": most}
+
+
+def _sides(centres: Floats) -> Floats:
+    """Sides of cells around these points. The map ends at the first and the last of them."""
+    return np.concatenate([centres[:1], 0.5 * (centres[1:] + centres[:-1]), centres[-1:]])
+
+
+def _map(values: Floats, grid: Grid, z_mm: float, label: str, ax: Axes, **options: Any) -> Axes:
+    sides = (_sides(np.asarray(grid.x_mm)), _sides(np.asarray(grid.y_mm)))
+    mesh = ax.pcolormesh(*sides, values.T, shading="flat", **options)
     ax.figure.colorbar(mesh, ax=ax, label=label)
     ax.set(aspect="equal", xlabel="x, mm", ylabel="y, mm", title=f"z = {z_mm:g} mm")
     return ax
