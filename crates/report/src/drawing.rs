@@ -4,6 +4,8 @@ use resvg::tiny_skia::{Color, Pixmap, Transform};
 use resvg::usvg::{Indent, Tree, WriteOptions};
 
 use crate::error::{DrawError, ReportError};
+use crate::figures::map_grid::MapGrid;
+use crate::pdf;
 use crate::sheet::millimetres;
 use crate::typeset::{FAMILY, OPTIONS};
 
@@ -50,6 +52,8 @@ pub(crate) struct FigureDraft {
     pub(crate) svg: String,
     /// The data behind the figure.
     pub(crate) csv: String,
+    /// The maps of which it consists, if it does, for a figure of one component.
+    pub(crate) maps: Option<MapGrid>,
 }
 
 impl FigureDraft {
@@ -61,18 +65,45 @@ impl FigureDraft {
         csv: String,
     ) -> Result<FigureDraft, ReportError> {
         let svg = svg.map_err(|source| ReportError::Drawing { figure: name, source })?;
-        Ok(FigureDraft { name, caption: caption.into(), svg, csv })
+        Ok(FigureDraft { name, caption: caption.into(), svg, csv, maps: None })
+    }
+
+    /// The figure of these maps.
+    pub(crate) fn of_maps(
+        name: &'static str,
+        caption: impl Into<String>,
+        maps: MapGrid,
+        csv: String,
+    ) -> Result<FigureDraft, ReportError> {
+        let draft = FigureDraft::new(name, caption, maps.draw(), csv)?;
+        Ok(FigureDraft { maps: Some(maps), ..draft })
     }
 
     /// The figure as SVG and PNG.
     pub(crate) fn rendered(self, text: SvgText) -> Result<Drawing, ReportError> {
+        self.scaled(text, 1.0)
+    }
+
+    /// The figure as SVG and PNG, this many times as large.
+    pub(crate) fn scaled(self, text: SvgText, scale: f64) -> Result<Drawing, ReportError> {
         let figure = self.name;
-        Drawing::new(self, text).map_err(|source| ReportError::Drawing { figure, source })
+        Drawing::new(self, text, scale).map_err(|source| ReportError::Drawing { figure, source })
+    }
+
+    /// Width of the sheet in pixels, 96 per inch.
+    pub(crate) fn width_px(&self) -> Result<f64, ReportError> {
+        let failed = |source: DrawError| ReportError::Drawing { figure: self.name, source };
+        let tree = Tree::from_str(&self.svg, &OPTIONS).map_err(|error| failed(error.into()))?;
+        Ok(f64::from(tree.size().width()).round())
     }
 }
 
 impl Drawing {
-    fn new(FigureDraft { name, caption, svg, csv }: FigureDraft, text: SvgText) -> Result<Drawing, DrawError> {
+    fn new(
+        FigureDraft { name, caption, svg, csv, .. }: FigureDraft,
+        text: SvgText,
+        of_px: f64,
+    ) -> Result<Drawing, DrawError> {
         let tree = Tree::from_str(&svg, &OPTIONS)?;
         let written = WriteOptions {
             coordinates_precision: DECIMALS,
@@ -81,15 +112,15 @@ impl Drawing {
             ..WriteOptions::default()
         };
         let size = [tree.size().width(), tree.size().height()].map(|px| f64::from(px).round());
-        let scale = DOTS_PER_INCH / PX_PER_INCH;
+        let scale = of_px * DOTS_PER_INCH / PX_PER_INCH;
         let [width, height] = size.map(|px| (px * scale).ceil() as u32);
         let mut pixels = Pixmap::new(width, height).ok_or("its width or height is 0")?;
         // A fraction of a pixel at the right and at the bottom is not covered by the sheet.
         pixels.fill(Color::WHITE);
         resvg::render(&tree, Transform::from_scale(scale as f32, scale as f32), &mut pixels.as_mut());
-        let outlined = sized(&tree.to_string(&written), size);
+        let outlined = sized(&tree.to_string(&written), size, of_px);
         let svg = match text {
-            SvgText::Text => with_fallbacks(&svg),
+            SvgText::Text => with_fallbacks(&resized(&svg, size, of_px)),
             SvgText::Outlines => outlined.clone(),
         };
         Ok(Drawing { name, caption, svg, png: encoded(&pixels)?, csv, outlined })
@@ -115,6 +146,16 @@ impl Drawing {
         }
     }
 
+    /// The figure as PDF of one page of its size, with text as outlines, which need no font.
+    ///
+    /// # Errors
+    /// [`ReportError::Drawing`] if it holds something that has no counterpart.
+    pub fn pdf(&self) -> Result<Vec<u8>, ReportError> {
+        let failed = |source: DrawError| ReportError::Drawing { figure: self.name, source };
+        let tree = Tree::from_str(&self.outlined, &OPTIONS).map_err(|error| failed(error.into()))?;
+        pdf::page(&tree).map_err(failed)
+    }
+
     /// Names and contents of the files: SVG, PNG and CSV.
     pub fn files(&self) -> [(String, &[u8]); 3] {
         let named = |ending: &str| format!("{}.{ending}", self.name);
@@ -123,14 +164,23 @@ impl Drawing {
 }
 
 /// The SVG that usvg wrote, with its size in millimetres.
-fn sized(svg: &str, [width, height]: [f64; 2]) -> String {
+fn sized(svg: &str, [width, height]: [f64; 2], scale: f64) -> String {
     let (head, rest) = svg.split_once('>').unwrap_or((svg, ""));
     let kept =
         head.split(' ').filter(|part| !["width=", "height=", "viewBox="].iter().any(|key| part.starts_with(key)));
     // The four numbers of a view box contain spaces, so a part of them is a number and a quote.
     let kept: Vec<&str> = kept.filter(|part| part.starts_with('<') || part.contains('=')).collect();
-    let [across, down] = [width, height].map(millimetres);
+    let [across, down] = [width, height].map(|px| millimetres(scale * px));
     format!("{} width=\"{across}mm\" height=\"{down}mm\" viewBox=\"0 0 {width} {height}\">{rest}", kept.join(" "))
+}
+
+/// The SVG that was drawn for this size in pixels, this many times as large.
+fn resized(svg: &str, size: [f64; 2], scale: f64) -> String {
+    let written = |scale: f64| {
+        let [width, height] = size.map(|px| millimetres(scale * px));
+        format!("width=\"{width}mm\" height=\"{height}mm\"")
+    };
+    svg.replacen(&written(1.0), &written(scale), 1)
 }
 
 /// The SVG with fonts that are similar to Roboto where that is not installed.

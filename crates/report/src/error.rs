@@ -21,4 +21,28 @@ pub enum ReportError {
         /// The reason.
         source: DrawError,
     },
+    /// The report has no such figure.
+    #[error("there is no figure {name}: the figures of this film are {names}")]
+    NoFigure {
+        /// The name.
+        name: String,
+        /// The names of all figures.
+        names: String,
+    },
+    /// The figure does not consist of maps of components.
+    #[error("the figure {figure} has no maps of components, of which one could be chosen")]
+    NoComponents {
+        /// Name of the figure.
+        figure: &'static str,
+    },
+    /// The text of the figure would not be readable, or too large.
+    #[error("the figure {figure} has no text of 7 to 9 pt at a width of {width_mm} mm: choose {instead}")]
+    Width {
+        /// Name of the figure.
+        figure: &'static str,
+        /// The width in millimetres.
+        width_mm: f64,
+        /// Widths that are possible, with their unit.
+        instead: String,
+    },
 }

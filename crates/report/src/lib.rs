@@ -42,6 +42,10 @@ mod page_data;
 mod pair;
 /// A rectangle with axes on a sheet, and its colour bar.
 mod panel;
+/// Figures as PDF.
+mod pdf;
+/// [`print_figure`]: one figure of a given width.
+mod print;
 /// Pages to print: bill of materials, placement plan.
 mod printed_film;
 /// A page to print: a figure and tables.
@@ -78,6 +82,7 @@ pub use figures::placement_plan::placement_plan_figure;
 pub use figures::scan_maps::scan_figures;
 pub use film_results::{FilmSamples, ReportInput};
 pub use pair::PairReport;
+pub use print::{Print, print_figure};
 pub use printed_film::{bill_page, parts_figure, plan_page};
 pub use report::Report;
 pub use tile_shapes::from_above as tile_outline;

@@ -13,7 +13,7 @@ use crate::typeset;
 const UNITS_PER_PX: f64 = 10.0;
 
 /// Pixels per millimetre at 96 pixels per inch.
-const PX_PER_MM: f64 = 96.0 / 25.4;
+pub(crate) const PX_PER_MM: f64 = 96.0 / 25.4;
 
 /// plotters divides a font size by this factor when it writes SVG.
 const FONT_SIZE_WRITTEN: f64 = 1.24;
@@ -57,6 +57,9 @@ pub(crate) struct Lettering {
     pub(crate) upright: bool,
     pub(crate) colour: RGBColor,
 }
+
+/// Size of the heading above all maps, in pixels: no text is larger.
+pub(crate) const HEADING_PX: f64 = 14.0;
 
 /// Text to the right of its position, vertically centred.
 pub(crate) const LETTERS: Lettering =

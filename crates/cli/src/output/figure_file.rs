@@ -17,6 +17,8 @@ pub(crate) enum FigureFormat {
     Svg,
     /// Pixels, 300 per inch
     Png,
+    /// Vectors, with text as outlines
+    Pdf,
 }
 
 impl FileFormat for FigureFormat {
@@ -25,6 +27,7 @@ impl FileFormat for FigureFormat {
     fn file(self) -> FileKind {
         match self {
             FigureFormat::Svg => FileKind::text(&["svg"]).known_by_ending(),
+            FigureFormat::Pdf => FileKind::binary(&["pdf"]).known_by_ending(),
             FigureFormat::Png => FileKind::binary(&["png"]).known_by_ending(),
         }
     }
@@ -47,7 +50,9 @@ impl FigureFile {
     /// Writes the figure that was drawn.
     pub(crate) fn write(mut self, drawn: Result<Drawing, ReportError>) -> Result<(), Failure> {
         let figure = drawn?;
+        let pdf = if self.format == FigureFormat::Pdf { figure.pdf()? } else { Vec::new() };
         self.output.write(|w| match self.format {
+            FigureFormat::Pdf => w.write_all(&pdf),
             FigureFormat::Svg => w.write_all(figure.svg.as_bytes()),
             FigureFormat::Png => w.write_all(&figure.png),
         })?;

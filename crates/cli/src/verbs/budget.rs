@@ -45,7 +45,7 @@ pub(crate) struct BudgetArgs {
     /// Seed of the random numbers [default: the value of [tolerance], else 1]
     #[arg(long, value_name = "SEED", value_parser = seed)]
     seed: Option<u64>,
-    /// File for a bar chart of the budget: .svg or .png
+    /// File for a bar chart of the budget: .pdf, .svg or .png
     #[cfg(feature = "report")]
     #[arg(long, value_name = "FIGURE")]
     figure: Option<PathBuf>,

@@ -63,7 +63,7 @@ pub(crate) struct ExperimentArgs {
     /// full grid
     #[arg(long, value_name = "TABLE", conflicts_with = "bend_radius")]
     heights: Option<PathBuf>,
-    /// Draw the curves of Dai 2024, Fig. 9, into this file, .svg or .png
+    /// Draw the curves of Dai 2024, Fig. 9, into this file, .pdf, .svg or .png
     #[cfg(feature = "report")]
     #[arg(long, value_name = "FIGURE")]
     figure: Option<PathBuf>,

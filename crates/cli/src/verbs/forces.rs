@@ -50,7 +50,7 @@ pub(crate) struct ForcesArgs {
     /// Largest relative error of the force between two tiles that are turned against each other
     #[arg(long, value_name = "ERROR", default_value = "1e-9", value_parser = relative_error)]
     turned_error: f64,
-    /// File for a figure of the tiles with their forces: .svg or .png
+    /// File for a figure of the tiles with their forces: .pdf, .svg or .png
     #[cfg(feature = "report")]
     #[arg(long, value_name = "FIGURE")]
     figure: Option<PathBuf>,

@@ -231,10 +231,41 @@ fn report_has_a_usual_folder_and_a_page_of_its_own() {
     }
     for name in ["out.svg", "figures.pdf", "one.toml"] {
         let said = sandbox.run(&["report", "one.toml", "-o", name]);
-        said.refuses_arguments("or the page alone as an .html file");
+        said.refuses("or the page alone as an .html file");
     }
     fs::create_dir(sandbox.path("folder.html")).unwrap();
     sandbox.run(&["report", "one.toml", "-o", "folder.html"]).refuses("cannot write folder.html");
+}
+
+#[test]
+fn one_figure_is_printed_at_its_width_with_readable_text() {
+    let sandbox = Sandbox::new();
+    let film = shipped("published-film");
+    let figure = |more: &[&str]| sandbox.run(&[&["report", &film, "--figure"], more].concat());
+    let said = figure(&["field-middle", "--component", "z", "--width", "85mm", "-o", "b_z.svg"]);
+    assert_eq!((said.status, said.stderr.as_str()), (0, ""));
+    let svg = sandbox.read("b_z.svg");
+    let xml = roxmltree::Document::parse(&svg).expect("XML");
+    let root = xml.root_element();
+    let width_mm: f64 = root.attribute("width").and_then(|w| w.strip_suffix("mm")).expect("mm").parse().unwrap();
+    assert!((width_mm - 85.0).abs() < 0.3, "{width_mm} mm");
+    let viewed: f64 = root.attribute("viewBox").expect("a view").split(' ').nth(2).unwrap().parse().unwrap();
+    let points = |node: roxmltree::Node| {
+        let size: f64 = node.attribute("font-size")?.parse().ok()?;
+        Some(size * width_mm / viewed * 72.0 / 25.4)
+    };
+    let sizes: Vec<f64> = xml.descendants().filter_map(points).collect();
+    assert!(sizes.len() > 20 && sizes.iter().all(|size| (6.99..=9.01).contains(size)), "{sizes:?}");
+    // The maps of one component: of the film, of the ideal film, and their difference.
+    assert_eq!(xml.descendants().filter(|node| node.has_tag_name("image")).count(), 6);
+    assert_eq!(figure(&["field-middle", "--component", "z", "--width", "85mm"]).status, 0);
+    let pdf = fs::read(sandbox.path("field-middle.pdf")).unwrap();
+    assert!(pdf.starts_with(b"%PDF-") && pdf.trim_ascii_end().ends_with(b"%%EOF"));
+    let text = String::from_utf8_lossy(&pdf);
+    assert!(text.contains("/MediaBox [0 0 240.") || text.contains("/MediaBox [0 0 241."), "85 mm are 240.9 pt");
+    figure(&["field-middle", "--width", "85mm"]).refuses("has no text of 7 to 9 pt at a width of 85 mm: choose ");
+    figure(&["layout", "--component", "x"]).refuses("the figure layout has no maps of components");
+    figure(&["fields"]).refuses("there is no figure fields: the figures of this film are layout, vectors,");
 }
 
 #[test]

@@ -6,7 +6,7 @@ use glam::DVec3;
 use crate::colours::ColourScale;
 use crate::csv::csv;
 use crate::drawing::FigureDraft;
-use crate::error::{DrawError, ReportError};
+use crate::error::ReportError;
 use crate::flux_unit::{flux_unit, largest_component_t};
 use crate::panel::BAR_PX;
 use crate::shared_ranges::SharedRanges;
@@ -33,20 +33,14 @@ pub(crate) fn draft(
     };
     let caption = format!("B of {what}, at z = {} mm.", number(slice.at_mm));
     let ideal_t = survey.against_ideal.as_ref().map(|against| slice.ideal_t(against.film));
-    let drawn = draw(survey, slice, ideal_t.as_deref(), name, ranges);
-    FigureDraft::new(name, caption, drawn, table(slice, ideal_t.as_deref()))
+    let maps = maps(survey, slice, ideal_t.as_deref(), name, ranges);
+    FigureDraft::of_maps(name, caption, maps, table(slice, ideal_t.as_deref()))
 }
 
 /// One row per component: spliced film, ideal film, and the difference at best-fit amplitude. The
 /// amplitude changes no displacement, and its difference would hide all others. Without an ideal
 /// film the three components are side by side, each with its own colour scale.
-fn draw(
-    survey: &Survey,
-    slice: &FieldSlice,
-    ideal_t: Option<&[DVec3]>,
-    name: &str,
-    ranges: &SharedRanges,
-) -> Result<String, DrawError> {
+fn maps(survey: &Survey, slice: &FieldSlice, ideal_t: Option<&[DVec3]>, name: &str, ranges: &SharedRanges) -> MapGrid {
     let unit_of = |key: &str, fields_t: &[DVec3]| {
         let most_t = largest_component_t(fields_t.iter().copied());
         flux_unit(ranges.widened(&format!("{name} {key}"), [0.0, most_t])[1])
@@ -73,7 +67,7 @@ fn draw(
         let step = size[0] + BAR_PX + BESIDE_PX[1];
         let column = |n: usize| MapColumn::of_slice(slice, FIRST_PX + n as f64 * step, size, n == 0);
         let (columns, rows) = ((0..3).map(column).collect(), vec![(0..3).map(map).collect()]);
-        return MapGrid { heading: Some(heading), beside_px: BESIDE_PX, columns, rows }.draw();
+        return MapGrid { heading: Some(heading), beside_px: BESIDE_PX, columns, rows, is_stacked: false };
     };
     let difference_t = slice.difference_t(ideal_t, against.amplitude);
     let fine = unit_of("difference unit", &difference_t);
@@ -92,7 +86,7 @@ fn draw(
     let scaled = format!("spliced \u{2212} {} \u{d7} ideal", thousandths(against.amplitude));
     let titles = ["spliced film", "ideal film", &scaled];
     let column = MapColumn::of_slice(slice, FIRST_PX, size, true);
-    MapGrid::compared(heading, titles, &column, [0, 1, 2].map(row), zero_remark).draw()
+    MapGrid::compared(heading, titles, &column, [0, 1, 2].map(row), zero_remark)
 }
 
 /// B on the slice as CSV, with B of the ideal film if there is one.

@@ -3,7 +3,7 @@
 use crate::colours::ColourScale;
 use crate::error::DrawError;
 use crate::panel::{AxisLabel, BAR_PX, BELOW_PX, LEFT_PX, Panel, equal_scale};
-use crate::sheet::{LETTERS, sheet};
+use crate::sheet::{HEADING_PX, LETTERS, sheet};
 use crate::survey::FieldSlice;
 use crate::typeset::AXIS_NAMES;
 
@@ -21,7 +21,7 @@ const TOP_PX: [f64; 2] = [52.0, 30.0];
 pub(super) const BESIDE_PX: [f64; 2] = [12.0, 12.0];
 
 /// Maps in rows and columns.
-pub(super) struct MapGrid {
+pub(crate) struct MapGrid {
     /// Text above all maps.
     pub(super) heading: Option<String>,
     /// Distance of a colour bar from its map, and of the last one's numbers from the side.
@@ -29,6 +29,8 @@ pub(super) struct MapGrid {
     pub(super) columns: Vec<MapColumn>,
     /// A map for each column.
     pub(super) rows: Vec<Vec<GridMap>>,
+    /// Whether the maps of the only row lie below each other.
+    pub(super) is_stacked: bool,
 }
 
 /// What the maps of a column have in common.
@@ -109,23 +111,58 @@ impl MapGrid {
             beside_px: BESIDE_PX,
             columns: (0..3).map(column).collect(),
             rows: rows.into_iter().enumerate().map(maps).collect(),
+            is_stacked: false,
         }
     }
 
+    /// One row alone, its maps below each other, on a sheet of this width in pixels. Each map has
+    /// its colour bar and its numbers, because the maps beside it had them.
+    pub(crate) fn stacked(mut self, row: usize, width_px: f64) -> MapGrid {
+        let titles: Vec<String> = self.rows[0].iter().map(|map| map.title.clone()).collect();
+        let mut maps = self.rows.swap_remove(row);
+        let mut bar = None;
+        for map in maps.iter_mut().rev() {
+            bar = map.bar.take().or(bar);
+            map.bar.clone_from(&bar);
+        }
+        for (map, title) in maps.iter_mut().zip(titles) {
+            if !map.title.contains(&title) {
+                let between = if map.title.is_empty() { "" } else { ", " };
+                map.title = format!("{title}{between}{}", map.title);
+            }
+        }
+        let [away, beside] = self.beside_px;
+        let room = width_px - FIRST_PX - away - beside - BAR_PX;
+        let widest = self.columns.iter().map(|column| column.size[0]).fold(0.0, f64::max);
+        let mut columns = self.columns;
+        for column in &mut columns {
+            let size = column.size.map(|side| side * room / widest);
+            (column.left, column.size, column.is_numbered) = (FIRST_PX, size, true);
+        }
+        MapGrid { columns, rows: vec![maps], is_stacked: true, ..self }
+    }
+
     /// The figure as SVG.
-    pub(super) fn draw(&self) -> Result<String, DrawError> {
-        let MapGrid { heading, beside_px: [away, beside], columns, rows } = self;
+    pub(crate) fn draw(&self) -> Result<String, DrawError> {
+        let MapGrid { heading, beside_px: [away, beside], columns, rows, is_stacked } = self;
+        let first = TOP_PX[usize::from(heading.is_none())];
         let height = columns.iter().map(|column| column.size[1]).fold(0.0, f64::max);
-        let top = |row: usize| TOP_PX[usize::from(heading.is_none())] + row as f64 * (height + ROW_GAP_PX);
-        let right = columns.last().map_or(0.0, |last| last.left + last.size[0]);
-        sheet([right + beside + BAR_PX, top(rows.len() - 1) + height + BELOW_PX + 6.0], |sheet| {
+        // Stacked maps each have the name of the axis below them.
+        let top = |row: usize, n: usize| match is_stacked {
+            true => first + columns[..n].iter().map(|above| above.size[1] + BELOW_PX + ROW_GAP_PX).sum::<f64>(),
+            false => first + row as f64 * (height + ROW_GAP_PX),
+        };
+        let right = columns.iter().map(|column| column.left + column.size[0]).fold(0.0, f64::max);
+        let last = columns.len() - 1;
+        let bottom = top(rows.len() - 1, last) + if *is_stacked { columns[last].size[1] } else { height };
+        sheet([right + beside + BAR_PX, bottom + BELOW_PX + 6.0], |sheet| {
             if let Some(heading) = heading {
-                sheet.text([FIRST_PX, 14.0], heading, LETTERS.sized(14.0))?;
+                sheet.text([FIRST_PX, 14.0], heading, LETTERS.sized(HEADING_PX))?;
             }
             for (index, maps) in rows.iter().enumerate() {
                 for (n, (column, map)) in columns.iter().zip(maps).enumerate() {
                     let ([width, height], [x, y]) = (column.size, column.ranges_mm);
-                    let panel = Panel { left: column.left, top: top(index), width, height, x, y };
+                    let panel = Panel { left: column.left, top: top(index, n), width, height, x, y };
                     let (rows_of_cells, [across, along]) = (column.cells[1], column.pixels);
                     let pixels = [column.cells[0] * across, column.cells[1] * along];
                     panel.cells(sheet, pixels, map.scale, |u, v| map.values[u / across * rows_of_cells + v / along]);

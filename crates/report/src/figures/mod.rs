@@ -25,7 +25,7 @@ pub(crate) mod layout_from_above;
 /// The legend of the figure of the tiles.
 mod layout_legend;
 /// Maps in rows and columns.
-mod map_grid;
+pub(crate) mod map_grid;
 /// R_x, R_y, S_z on planes through the working volume.
 pub(crate) mod parameter_maps;
 /// The plan by which a film is placed.

@@ -103,8 +103,9 @@ pub(crate) fn draft(
     let parameters: Vec<SliceParameters> =
         slices.iter().map(|slice| SliceParameters::new(against, slice, planes)).collect();
     let rows = (0..3).map(|row| maps(slices, &parameters, planes, row, ranges)).collect();
-    let grid = MapGrid { heading: None, beside_px: BESIDE_PX, columns: columns(slices, planes.room_px()), rows };
-    FigureDraft::new(planes.name(), planes.caption(), grid.draw(), table(slices, &parameters, planes))
+    let columns = columns(slices, planes.room_px());
+    let grid = MapGrid { heading: None, beside_px: BESIDE_PX, columns, rows, is_stacked: false };
+    FigureDraft::of_maps(planes.name(), planes.caption(), grid, table(slices, &parameters, planes))
 }
 
 /// The columns, all on the same scale of length.

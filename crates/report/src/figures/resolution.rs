@@ -59,7 +59,7 @@ pub(crate) fn draft(
     let rows = planes.iter().flat_map(|plane| plane.grid.points().zip(plane.deviations_um.iter().copied()));
     let header = "x_mm,y_mm,z_mm,deviation_x_um,deviation_y_um,deviation_z_um";
     let csv = csv_of_vectors(header, rows.map(|(point, deviation)| [point, deviation]));
-    FigureDraft::new("resolution", CAPTION, maps(&planes, volume, ranges).draw(), csv).map(Some)
+    FigureDraft::of_maps("resolution", CAPTION, maps(&planes, volume, ranges), csv).map(Some)
 }
 
 fn maps(planes: &[Plane], volume: &WorkingVolume, ranges: &SharedRanges) -> MapGrid {
@@ -88,5 +88,5 @@ fn maps(planes: &[Plane], volume: &WorkingVolume, ranges: &SharedRanges) -> MapG
         planes.iter().enumerate().map(map).collect()
     };
     let columns = (0..planes.len()).map(column).collect();
-    MapGrid { heading: None, beside_px: BESIDE_PX, columns, rows: (0..3).map(row).collect() }
+    MapGrid { heading: None, beside_px: BESIDE_PX, columns, rows: (0..3).map(row).collect(), is_stacked: false }
 }

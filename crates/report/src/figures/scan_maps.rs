@@ -15,7 +15,7 @@ use crate::shared_ranges::range_of;
 use crate::tile_shapes::in_plane;
 use crate::typeset::{AXIS_NAMES, number, parameter, plane, symbol};
 
-use super::map_grid::{ComparedRow, FIRST_PX, MapColumn, MapGrid, ROOM_PX, map_size};
+use super::map_grid::{ComparedRow, FIRST_PX, MapColumn, MapGrid, ROOM_PX, map_size, zero_remark};
 
 const FIELDS: [&str; 3] = ["scan-field-lowest", "scan-field-middle", "scan-field-highest"];
 const LEVEL: [&str; 3] = ["scan-parameters-lowest", "scan-parameters-middle", "scan-parameters-highest"];
@@ -110,8 +110,8 @@ fn figure(
         pixels: cells.map(|count| SHARP_PX.div_ceil(count)),
     };
     let titles = ["measured", "simulated", "measured \u{2212} simulated"];
-    let grid = MapGrid::compared(plane(of.normal, of.at_mm), titles, &first, rows, |_| &[]);
-    FigureDraft::new(name, caption, grid.draw(), csv)
+    let grid = MapGrid::compared(plane(of.normal, of.at_mm), titles, &first, rows, zero_remark);
+    FigureDraft::of_maps(name, caption, grid, csv)
 }
 
 fn table(plane: &ScanPlane, header: &str, [measured, simulated]: &[Vec<DVec3>; 2]) -> String {

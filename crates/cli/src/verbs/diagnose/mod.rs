@@ -82,7 +82,8 @@ pub(crate) struct DiagnoseArgs {
     /// Layout file to write, with the tiles found
     #[arg(short, long, value_name = "LAYOUT")]
     output: Option<PathBuf>,
-    /// File for a figure of the faulty tiles and of the resolution of the scan: .svg or .png
+    /// File for a figure of the faulty tiles and of the resolution of the scan: .pdf, .svg or
+    /// .png
     #[cfg(feature = "report")]
     #[arg(long, value_name = "FIGURE")]
     figure: Option<PathBuf>,

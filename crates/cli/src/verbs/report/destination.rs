@@ -7,7 +7,7 @@ use crate::failure::Failure;
 use crate::output::destination::Output;
 use crate::output::folder::Folder;
 
-/// Endings of files that a report does not become. A folder of such a name would pass for a file.
+/// Endings of files that a report does not become.
 const FILE_ENDINGS: [&str; 9] = ["csv", "htm", "json", "md", "pdf", "png", "svg", "toml", "txt"];
 
 /// The ending of the page.
@@ -17,18 +17,6 @@ const PAGE_ENDING: &str = "html";
 pub(super) enum Destination {
     Folder(Folder),
     Page(Output),
-}
-
-/// A destination that the user has named, unless it has the ending of another kind of file.
-pub(super) fn given(text: &str) -> Result<PathBuf, String> {
-    let path = PathBuf::from(text);
-    match FILE_ENDINGS.iter().find(|ending| has_ending(&path, ending)) {
-        Some(ending) => Err(format!(
-            "a report is a folder of figures with their page, or the page alone as an .{PAGE_ENDING} file, not a \
-             .{ending} file"
-        )),
-        None => Ok(path),
-    }
 }
 
 /// The folder of a report without a named destination, in the working directory: `NAME-report` for
@@ -45,7 +33,15 @@ pub(super) fn usual(layouts: &[PathBuf]) -> PathBuf {
 
 impl Destination {
     /// Opens the destination, so that one that cannot be written is refused before any work.
+    /// A name with the ending of another kind of file is refused: the folder would pass for one.
     pub(super) fn open(path: &Path, inputs: &[&Path]) -> Result<Destination, Failure> {
+        if let Some(ending) = FILE_ENDINGS.iter().find(|ending| has_ending(path, ending)) {
+            return Err(Failure::Refused(format!(
+                "cannot write {}: a report is a folder of figures with their page, or the page alone as an \
+                 .{PAGE_ENDING} file, not a .{ending} file; --figure NAME writes one figure",
+                path.display()
+            )));
+        }
         if has_ending(path, PAGE_ENDING) {
             return Output::open(Some(path), inputs).map(Destination::Page);
         }

@@ -8,7 +8,7 @@ use magsplice::layout::Layout;
 use magsplice::magnet::Accuracy;
 use magsplice::results::Source;
 use magsplice::{Film, FilmError};
-use magsplice_report::{FilmSamples, PairReport, Report, ReportError, ReportInput, SvgText};
+use magsplice_report::{FilmSamples, PairReport, Print, Report, ReportError, ReportInput, SvgText, print_figure};
 
 use super::destination::Destination;
 use crate::failure::Failure;
@@ -33,6 +33,20 @@ impl Drawing<'_> {
             [first, second] => self.draw_pair([first, second]),
             layouts => self.draw_one(layouts.first().map_or(Path::new(""), |layout| layout)),
         }
+    }
+
+    /// Writes one figure of the report of a film.
+    pub(super) fn figure(&self, layouts: &[PathBuf], name: &str, print: Print) -> Result<(), Failure> {
+        let [path] = layouts else {
+            return Err(Failure::Refused("--figure draws one film: give one layout".to_owned()));
+        };
+        let session = Session::open(path, remarks::OF_COMPARISONS, self.quiet)?;
+        let film = session.film()?.with_accuracy(self.accuracy);
+        let file = session.figure(Some(self.output), [])?;
+        let input = ReportInput { samples: samples(&session, &film)?, ..ReportInput::default() };
+        let drawn = print_figure(&film, &input, name, print, self.text).map_err(|error| failure(&session, error))?;
+        file.map_or(Ok(()), |file| file.write(Ok(drawn)))?;
+        session.print(&format!("{}: {name}\n", self.output.display()))
     }
 
     fn draw_one(&self, path: &Path) -> Result<(), Failure> {

@@ -10,7 +10,7 @@ mod watch;
 use std::path::PathBuf;
 
 use clap::ValueEnum;
-use magsplice_report::SvgText;
+use magsplice_report::{Print, SvgText};
 
 use crate::args::accuracy::AccuracyArgs;
 use crate::failure::Failure;
@@ -31,7 +31,7 @@ use crate::failure::Failure;
 /// faults of a broken layout. The page does not reload by itself.
 #[derive(clap::Args)]
 #[command(
-    after_help = "Example:\n  magsplice report layouts/published-film.toml\n  magsplice report film.toml -o film.html\n  magsplice report before.toml after.toml -o comparison"
+    after_help = "Example:\n  magsplice report layouts/published-film.toml\n  magsplice report film.toml -o film.html\n  magsplice report film.toml --figure field-middle --component z --width 85mm -o b_z.pdf\n  magsplice report before.toml after.toml -o comparison"
 )]
 pub(crate) struct ReportArgs {
     /// Layout file, or two whose films are drawn side by side
@@ -39,7 +39,7 @@ pub(crate) struct ReportArgs {
     layouts: Vec<PathBuf>,
     /// Folder to write: new, empty, or with an earlier report, which is replaced; or a file
     /// PAGE.html for the page alone [default: NAME-report for NAME.toml]
-    #[arg(short, long, value_name = "FOLDER", value_parser = destination::given)]
+    #[arg(short, long, value_name = "FOLDER")]
     output: Option<PathBuf>,
     /// Draw again whenever a layout is saved, until Ctrl-C
     #[arg(long)]
@@ -47,8 +47,28 @@ pub(crate) struct ReportArgs {
     /// Text in the SVG files
     #[arg(long, value_enum, default_value = "text")]
     text: SvgTextArg,
+    /// Only this figure, such as field-middle, as a file -o NAME.pdf, .svg or .png [default:
+    /// NAME.pdf]
+    #[arg(long, value_name = "NAME", conflicts_with = "watch")]
+    figure: Option<String>,
+    /// Width of the figure in print, such as 85mm: text has 7 to 9 pt
+    #[arg(long, value_name = "LENGTH", value_parser = crate::args::numbers::length_mm, requires = "figure")]
+    width: Option<f64>,
+    /// Only this component of a figure of maps, its maps below each other
+    #[arg(long, value_enum, requires = "figure")]
+    component: Option<ComponentArg>,
     #[command(flatten)]
     accuracy: AccuracyArgs,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum ComponentArg {
+    /// B_x or R_x
+    X,
+    /// B_y or R_y
+    Y,
+    /// B_z or S_z
+    Z,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -69,7 +89,15 @@ impl From<SvgTextArg> for SvgText {
 }
 
 pub(crate) fn run(args: &ReportArgs, quiet: bool) -> Result<(), Failure> {
-    let output = args.output.clone().unwrap_or_else(|| destination::usual(&args.layouts));
+    let usual = || match &args.figure {
+        Some(name) => PathBuf::from(format!("{name}.pdf")),
+        None => destination::usual(&args.layouts),
+    };
+    let output = args.output.clone().unwrap_or_else(usual);
     let drawing = draw::Drawing { output: &output, text: args.text.into(), accuracy: args.accuracy.accuracy(), quiet };
+    if let Some(name) = &args.figure {
+        let print = Print { width_mm: args.width, component: args.component.map(|component| component as usize) };
+        return drawing.figure(&args.layouts, name, print);
+    }
     if args.watch { watch::run(&args.layouts, &drawing) } else { drawing.draw(&args.layouts) }
 }
