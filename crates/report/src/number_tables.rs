@@ -240,10 +240,10 @@ pub(crate) fn tables_of_pair(tables: &[NumberTable], labels: &[String; 2]) -> St
         html += &head(id, heading, labels.iter().cloned().chain(["second \u{2212} first".to_owned()]));
         for Row { name, films } in rows {
             let count = films.iter().map(Vec::len).max().unwrap_or(0);
-            for index in 0..count {
+            for (index, column) in columns.iter().enumerate().take(count) {
                 let [first, second] = [0, 1].map(|film| films[film].get(index).copied().flatten());
                 let difference = first.zip(second).map(|(first, second)| second - first);
-                let name = if count > 1 { format!("{name}: {}", columns[index]) } else { name.clone() };
+                let name = if count > 1 { format!("{name}: {column}") } else { name.clone() };
                 html += &row(&name, [first, second, difference].map(|value| format!("{CELL}{}</td>", text(value))));
             }
         }

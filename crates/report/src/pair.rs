@@ -56,7 +56,7 @@ impl PairReport {
         let second = drafts(&results[1], &ranges)?;
         let first = drafts(&results[0], &ranges)?;
         let figures = [rendered(films[0], first, text)?, rendered(films[1], second, text)?];
-        let Pages { alone, in_folder } = pages(&results, labels.map(escaped), &figures);
+        let Pages { alone, in_folder } = pages(&results, &labels.map(escaped), &figures);
         let absent = results.map(|of| of.absent);
         Ok(PairReport { figures, html: alone, html_in_folder: in_folder, absent })
     }
@@ -73,9 +73,9 @@ impl PairReport {
     }
 }
 
-fn pages(results: &[FilmResults; 2], labels: [String; 2], figures: &[Vec<Drawing>; 2]) -> Pages {
+fn pages(results: &[FilmResults; 2], labels: &[String; 2], figures: &[Vec<Drawing>; 2]) -> Pages {
     let names = results.each_ref().map(|of| escaped(&of.film.layout().name));
-    let title = title(&names, &labels);
+    let title = title(&names, labels);
     let each = |part: &dyn Fn(usize) -> String| -> String {
         (0..2).map(|film| format!("<div>\n{}</div>\n", part(film))).collect()
     };
@@ -105,9 +105,9 @@ fn pages(results: &[FilmResults; 2], labels: [String; 2], figures: &[Vec<Drawing
         "title" => title.clone(),
         "films" => summaries.clone(),
         "contents" => contents.clone(),
-        "numbers" => tables_of_pair(&tables, &labels),
+        "numbers" => tables_of_pair(&tables, labels),
         "views" => views.clone(),
-        "figures" => shown.iter().map(|of| figure_pair(of, figures, &labels, has_files)).collect(),
+        "figures" => shown.iter().map(|of| figure_pair(of, figures, labels, has_files)).collect(),
         "facts" => facts.clone(),
         "data" => data.clone(),
         "script" => script(),
