@@ -15,7 +15,8 @@ export async function checkControls(page, inVolume) {
 
   // The tabulator key reaches each of them, and an outline shows the focus.
   const wanted = await page.evaluate(() =>
-    [...document.querySelectorAll("button, select, input, a, canvas, pre")].filter((e) => !e.disabled).length);
+    [...document.querySelectorAll("button, select, input, a, canvas, summary")].filter((e) =>
+      !e.disabled && e.getClientRects().length > 0).length);
   await page.evaluate(() => document.activeElement.blur());
   await page.mouse.move(2, 2);
   const reached = new Set();
@@ -23,7 +24,7 @@ export async function checkControls(page, inVolume) {
   for (let n = 0; n <= wanted; n++) {
     await page.keyboard.press("Tab");
     const [index, outline] = await page.evaluate(() => {
-      const all = [...document.querySelectorAll("button, select, input, a, canvas, pre")];
+      const all = [...document.querySelectorAll("button, select, input, a, canvas, summary")];
       const style = getComputedStyle(document.activeElement);
       return [all.indexOf(document.activeElement), style.outlineStyle === "none" ? 0 : parseFloat(style.outlineWidth)];
     });

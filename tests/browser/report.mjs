@@ -13,7 +13,7 @@ import { pathToFileURL } from "node:url";
 import { checkControls } from "./controls.mjs";
 import { checkPhone } from "./phone.mjs";
 import { checkScheme } from "./scheme.mjs";
-import { checkTiles } from "./tiles.mjs";
+import { checkTiles, nearest } from "./tiles.mjs";
 
 // Found through NODE_PATH, which `import` does not use.
 const { chromium } = createRequire(import.meta.url)("playwright-core");
@@ -153,10 +153,9 @@ async function checkMap(page, data, withIdeal, pixels) {
   assert.notEqual(await pixels("#map"), map, "the slider does not change the map");
 
   // Values under the cursor against the values printed by the program for the same points.
-  const nearest = (of, c) => of.reduce((best, other) => (Math.abs(other - c) < Math.abs(best - c) ? other : best));
   const rowAt = (at) => {
     const points = join(mkdtempSync(join(tmpdir(), "magsplice-")), "point.csv");
-    writeFileSync(points, `x_mm,y_mm,z_mm\n${[xs, ys, zs].map((of, i) => nearest(of, at[i])).join(",")}\n`);
+    writeFileSync(points, `x_mm,y_mm,z_mm\n${[xs, ys, zs].map((of, i) => of[nearest(of, at[i])]).join(",")}\n`);
     return run("field", layout, "--points", points).trim().split("\n")[1].split(",").map(Number);
   };
   const perT = { T: 1, mT: 1e3, "\u00b5T": 1e6, nT: 1e9 };
@@ -190,7 +189,7 @@ async function checkMap(page, data, withIdeal, pixels) {
     await page.mouse.move(box.x + 0.3 * box.width, box.y + 0.3 * box.height);
     const { name: shown, value, unit, at } = await reading();
     assert.equal(shown, name);
-    const index = [xs, ys, zs].reduce((i, all, axis) => i * all.length + all.indexOf(at[axis]), 0);
+    const index = [xs, ys, zs].reduce((i, all, axis) => i * all.length + nearest(all, at[axis]), 0);
     const values = (name) => data.maps.find((map) => map.name === name).values[index];
     const expected = name === "S_z" ? values("S_z") : values("B_z") - values("ideal B_z");
     assert.ok(Math.abs(value / (perT[unit] ?? 1) - expected) <= 1e-7 * Math.abs(expected), `${name}: ${value}`);

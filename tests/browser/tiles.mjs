@@ -87,9 +87,15 @@ async function checkNames(page, data) {
   await page.locator("[data-turn=reset]").click();
 }
 
+// The index of the coordinate that is shown as `c`, rounded.
+export function nearest(all, c) {
+  return all.reduce((best, other, i) => (Math.abs(other - c) < Math.abs(all[best] - c) ? i : best), 0);
+}
+
 async function checkShares(page, data, run) {
   // The fields of all tiles add up to the field of the film.
   const worst = await page.evaluate(() => {
+    const data = JSON.parse(document.getElementById("data").textContent);
     const { x_mm: xs, y_mm: ys, z_mm: zs } = data.volume;
     const names = ["B_x", "B_y", "B_z"].map((name) => data.maps.find((map) => map.name === name).values);
     let worst = 0;
@@ -125,7 +131,7 @@ async function checkShares(page, data, run) {
   const own = run("field", layout, "--points", points).trim().split("\n")[1].split(",").slice(3, 6).map(Number);
   rmSync(folder, { recursive: true });
   const { x_mm, y_mm, z_mm } = data.volume;
-  const index = [[x_mm, x], [y_mm, y], [z_mm, z]].reduce((i, [all, c]) => i * all.length + all.indexOf(c), 0);
+  const index = [[x_mm, x], [y_mm, y], [z_mm, z]].reduce((i, [all, c]) => i * all.length + nearest(all, c), 0);
   const b = ["B_x", "B_y", "B_z"].map((name) => data.maps.find((map) => map.name === name).values[index]);
   const dot = (p, q) => p.reduce((sum, c, i) => sum + c * q[i], 0);
   const expected = (100 * dot(own, b)) / dot(b, b);
