@@ -63,6 +63,14 @@ pub(crate) fn layout_figure<'py>(py: Python<'py>, film: &Film) -> PyResult<Figur
     Ok(figure(py, drawn.map_err(failed)?))
 }
 
+/// The figures of the ideal film of a layout.
+#[pyfunction]
+pub(crate) fn ideal_film_figures<'py>(py: Python<'py>, film: &Film) -> PyResult<Vec<Figure<'py>>> {
+    let evaluated = film.evaluated(py)?;
+    let drawn = detached(py, || magsplice_report::ideal_film_figures(evaluated))?;
+    Ok(drawn.map_err(failed)?.into_iter().map(|drawn| figure(py, drawn)).collect())
+}
+
 /// The page with the tiles alone: their picture, and a rotatable view.
 #[pyfunction]
 pub(crate) fn view(py: Python<'_>, film: &Film) -> PyResult<String> {

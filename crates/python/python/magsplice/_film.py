@@ -903,7 +903,8 @@ class Film(Sensed):
         Parameters
         ----------
         figure : str
-            ``"layout"``, the tiles from above, or another name in ``film.report().figures``.
+            ``"layout"``, the tiles from above; ``"ideal-polarization"`` or ``"ideal-vectors"``, the
+            ideal film; or another name in ``film.report().figures``.
 
         Raises
         ------
@@ -916,6 +917,10 @@ class Film(Sensed):
         """
         if figure == "layout":
             return Figure(*_magsplice.layout_figure(self))
+        if figure.startswith("ideal-"):
+            ideal = {drawn[0]: Figure(*drawn) for drawn in _magsplice.ideal_film_figures(self)}
+            one_of("figure", figure, ideal)
+            return ideal[figure]
         one_of("figure", figure, figures := self.report().figures)
         return figures[figure]
 

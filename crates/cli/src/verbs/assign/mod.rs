@@ -76,7 +76,7 @@ pub(crate) struct AssignArgs {
     /// CSV file for the plan
     #[arg(long, value_name = "TABLE")]
     plan: Option<PathBuf>,
-    /// Draw the plan into this file, .svg or .png
+    /// Draw the plan into this file, .pdf, .svg or .png
     #[cfg(feature = "report")]
     #[arg(long, value_name = "FIGURE")]
     figure: Option<PathBuf>,
