@@ -36,7 +36,7 @@ pub(crate) fn check<'py>(py: Python<'py>, film: &Film, baseline: Option<Held<'py
     }
     let baseline = known(baseline)?;
     let (outcomes, estimates) =
-        film.run(py, |film| Ok((expectations(film, &baseline, &[]), RecoilEstimate::of_stated(film.layout()))))?;
+        film.run(py, |film| Ok((expectations(&film, &baseline, &[]), RecoilEstimate::of_stated(film.layout()))))?;
     // A film without an estimate has no figures.
     checked.recoil_estimates = estimates.unwrap_or_default();
     dictionary(py, &checked.with_expectations(outcomes))

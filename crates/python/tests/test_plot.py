@@ -51,7 +51,8 @@ def test_maps_follow_the_rules_of_reports(published, ax):
     ideal = ax.collections[1]
     # Compared maps share a scale; values of one sign begin at zero; the map ends with the volume.
     assert film.get_clim() == ideal.get_clim()
-    assert film.get_clim()[0] == 0 and film.get_cmap().name == "viridis"
+    assert film.get_clim()[0] == 0
+    assert film.get_cmap().name == "viridis"
     assert np.allclose(film.get_datalim(ax.transData).bounds, [-2, -2, 4, 4])
     plot.field_map(published, "bx", ax=ax)
     assert ax.collections[2].get_cmap().name == "RdBu_r"

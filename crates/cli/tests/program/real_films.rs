@@ -356,7 +356,7 @@ fn budget_divides_the_error_into_its_causes() {
         assert_eq!(said.status, 0, "{}", said.stderr);
         assert!(sandbox.read("budget.svg").contains("tile rotations"));
         sandbox
-            .run(&["budget", "film.toml", "--figure", "b.pdf"])
-            .refuses("b.pdf: no format has the ending .pdf: use one of .svg, .png, such as b.svg");
+            .run(&["budget", "film.toml", "--figure", "b.tiff"])
+            .refuses("b.tiff: no format has the ending .tiff: use one of .pdf, .svg, .png, such as b.pdf");
     }
 }

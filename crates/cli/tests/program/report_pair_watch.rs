@@ -13,7 +13,7 @@ fn two_films_share_a_page_with_their_numbers_and_scales() {
     let layouts = ["published-film", "designed-displacement"].map(shipped);
     let said = sandbox.run(&["report", &layouts[0], &layouts[1], "-o", "out"]);
     assert_eq!((said.status, said.stderr.as_str()), (0, ""));
-    assert!(said.stdout.contains("report.html: 8 and 8 figures side by side"), "{}", said.stdout);
+    assert!(said.stdout.contains("report.html: 10 and 8 figures side by side"), "{}", said.stdout);
     let page = sandbox.read("out/report.html");
     for name in FIGURES {
         for prefix in ["first", "second"] {
