@@ -357,6 +357,6 @@ fn budget_divides_the_error_into_its_causes() {
         assert!(sandbox.read("budget.svg").contains("tile rotations"));
         sandbox
             .run(&["budget", "film.toml", "--figure", "b.tiff"])
-            .refuses("b.tiff: no format has the ending .tiff: use one of .pdf, .svg, .png, such as b.pdf");
+            .refuses("b.tiff: no format has the ending .tiff: use one of .svg, .png, .pdf, such as b.svg");
     }
 }
