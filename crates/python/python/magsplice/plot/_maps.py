@@ -57,21 +57,21 @@ def field_map(
     ax = axes_or_new(ax)
     grid, z = _plane(film, z_mm)
     round_off_t = _BOUNDS_OF_ZERO * film.error_bound(grid)[..., np.newaxis]
-    ideal_t = _comparable_t(film, grid) if of == "film" else film.ideal_b(grid)
     film_t = film.b(grid, invalid="nan")
-    shown = {"film": film_t, "ideal": ideal_t, "difference": film_t}[of]
-    if of == "difference":
-        shown = film_t - ideal_t
 
     def mapped(field_t: Floats) -> Floats:
         field_t = np.where(np.abs(field_t) <= round_off_t, 0.0, field_t)
         if component == "magnitude":
-            return 1e3 * np.linalg.norm(field_t, axis=-1)[..., 0]
-        return 1e3 * field_t[..., 0, "xyz".index(component[1])]
+            return np.asarray(1e3 * np.linalg.norm(field_t, axis=-1)[..., 0])
+        return np.asarray(1e3 * field_t[..., 0, "xyz".index(component[1])])
 
-    values = mapped(shown)
-    is_alone = of == "difference" or ideal_t is None
-    compared = [values] if is_alone else [mapped(film_t), mapped(ideal_t)]
+    if of == "difference":
+        values = mapped(film_t - film.ideal_b(grid))
+        compared = [values]
+    else:
+        ideal_t = film.ideal_b(grid) if of == "ideal" else _comparable_t(film, grid)
+        compared = [mapped(field_t) for field_t in (film_t, ideal_t) if field_t is not None]
+        values = compared[-1 if of == "ideal" else 0]
     symbol = "|B|" if component == "magnitude" else f"$B_{component[1]}$"
     name = {"film": "", "ideal": " of the ideal film", "difference": ", film minus ideal"}[of]
     if component == "magnitude" and of == "difference":
