@@ -68,7 +68,7 @@ pub enum DesignError {
     #[error("vary and symmetry of [design] leave 0 free parameters in this film, must leave at least 1")]
     NothingFree,
     /// No film near the layout's keeps these rules together.
-    #[error("no film of this kind can satisfy all of these rules of [design]:\n  {}", listed(.0, "\n  "))]
+    #[error("no film was found that satisfies all of these rules of [design]; loosen one of them:\n  {}", listed(.0, "\n  "))]
     Contradiction(Vec<Rule>),
     /// The film found cannot exist when rounded to the resolution of the brief.
     #[error(

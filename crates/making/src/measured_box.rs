@@ -18,6 +18,9 @@ const MOST_FACTOR: f64 = 2.0;
 /// Largest angle from the ordered direction. Beyond it a tile was turned during its measurement.
 const MOST_ANGLE_DEG: f64 = 45.0;
 
+/// Directions written with few decimals differ by this much from the limit, which they reach.
+const ANGLE_ROUNDING_DEG: f64 = 1e-6;
+
 /// Cubic metres of a cubic millimetre.
 const M3_PER_MM3: f64 = 1e-9;
 
@@ -237,9 +240,9 @@ fn polarization_fault(polarization_t: DVec3, part: &Part, number: usize) -> Opti
         ));
     }
     let angle_deg = polarization_t.angle_between(part.direction).to_degrees();
-    (angle_deg > MOST_ANGLE_DEG).then(|| {
+    (angle_deg > MOST_ANGLE_DEG - ANGLE_ROUNDING_DEG).then(|| {
         format!(
-            "its polarization is {angle_deg:.1} deg from the polarization of part {}, must be within {MOST_ANGLE_DEG} deg: turn the \
+            "its polarization is {angle_deg:.1} deg from the polarization of part {}, must be less than {MOST_ANGLE_DEG} deg: turn the \
              axes so that x is along the first side of the part, y along the second, as `magsplice tiles` lists them",
             number + 1
         )

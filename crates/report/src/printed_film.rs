@@ -18,7 +18,8 @@ pub fn parts_figure(list: &BillOfMaterials, text: SvgText) -> Result<Drawing, Re
     for (named, part) in layout.tiles.iter_mut().zip(list.part_numbers()) {
         named.name = part.to_string();
     }
-    layout_figure(&layout, text)
+    let caption = "The tiles seen from above, with their polarization and the numbers of their parts.".to_owned();
+    Ok(Drawing { caption, ..layout_figure(&layout, text)? })
 }
 
 /// A page with a film and its bill of materials, as HTML. `figure` is the [`parts_figure`].

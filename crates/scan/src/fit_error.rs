@@ -52,7 +52,10 @@ pub enum ScanError {
         reading_t: f64,
     },
     /// The steps did not converge.
-    #[error("the fit does not converge: the positions may have errors of more than a quarter of a wavelength")]
+    #[error(
+        "the fit does not converge: the positions may have errors of more than a quarter of a wavelength, or errors of \
+         tiles look like another strength and height, and a fit of offset, rotation and start alone is needed"
+    )]
     NoConvergence,
     /// Points without a field.
     #[error("points of the scan have no field: {0}")]

@@ -367,7 +367,7 @@ fn wrong_tables_are_refused_by_line() {
     run(&[]).refuses("line 3: tile \"1-1\" is in line 2 already");
     let [x, y, z] = cut[0].j_t;
     with(2, &format!("1-1,1,{:?},{:?},{:?}", -x, -y, -z));
-    run(&[]).refuses(" deg from the polarization of part 1, must be within 45 deg: turn the axes");
+    run(&[]).refuses(" deg from the polarization of part 1, must be less than 45 deg: turn the axes");
     sandbox.write("tiles.csv", &lines[..lines.len() - 1].join("\n"));
     run(&[]).refuses("places) has");
     sandbox.write("tiles.csv", "tile,part,jx,jy,jz\na,1,1,2,3\n");

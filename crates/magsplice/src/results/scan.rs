@@ -229,7 +229,8 @@ impl FilmScan {
         let residual = self.excessive_residual().map(|ratio| {
             format!(
                 "the residual is {} times the noise of the sensor: the film differs from the layout, or the positions \
-                 of the scan are wrong",
+                 of the scan are wrong; the deviations do not contain this. Errors of tiles look like another strength \
+                 and height: a fit of offset, rotation and start alone holds the strength",
                 number(ratio)
             )
         });

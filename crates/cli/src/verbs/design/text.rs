@@ -5,7 +5,7 @@ use std::path::Path;
 
 use magsplice::decouple::Figures;
 use magsplice::design::{DesignProblem, MadeFilms, Metrics, ParetoFront, SearchResult, SpliceChange, SpliceTrial};
-use magsplice::layout::Symmetry;
+use magsplice::layout::{Symmetry, Under};
 use magsplice::prelude::DVec3;
 use magsplice::results::{FoundFilm, OutOfRange, twelve_digits};
 use magsplice::tolerance::Statistics;
@@ -86,6 +86,13 @@ pub(super) fn found_film(
         if let Some(made) = &result.made {
             let preset = made.preset.map_or(String::new(), |preset| format!(" --preset {}", preset.name()));
             let _ = writeln!(text, "`magsplice tolerance {path}{preset}` evaluates films as made");
+            if problem.brief().under != Under::Tolerance {
+                let _ = writeln!(
+                    text,
+                    "the search was for the film as ordered: under = \"tolerance\" in [design] and `magsplice design {path}` \
+                     search for films as made"
+                );
+            }
         }
     }
     text

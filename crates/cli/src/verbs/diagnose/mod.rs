@@ -152,11 +152,12 @@ pub(crate) fn run(args: &DiagnoseArgs, quiet: bool) -> Result<(), Failure> {
     tell_excluded(&session, &args.scan, &lines, exclusions, residuals_t);
     if found.is_residual_too_large {
         session.tell(&format!(
-            "{}: chi squared of the residual is {} times its expectation: the noise is larger than specified, the film \
-             has errors of another kind, or the positions of the scan are wrong{}",
+            "{}: chi squared of the residual is {} times its expectation: the noise is larger than specified, the tiles \
+             have other or larger errors than are expected (--preset by-hand, workshop or jig expects errors of every \
+             tile), or the positions of the scan are wrong{}",
             args.scan.display(),
             number(found.reduced_chi_squared()),
-            if args.fit.is_empty() { " (--fit fits them)" } else { "" }
+            if args.fit.is_empty() { " (--fit fits their origin)" } else { "" }
         ));
     }
     if let Some(placement) = &found.placement {

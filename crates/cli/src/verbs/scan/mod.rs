@@ -102,11 +102,12 @@ pub(crate) fn run(args: &ScanArgs, quiet: bool) -> Result<(), Failure> {
         file.finish()?;
     }
     let result = args.result.format.shown(&found, || text::scan(&film, &args.scan, &args.fit, &found));
-    session.write(output, &result)?;
-    tell_excluded(&session, &args.scan, &lines, &found.exclusions, &found.residuals_t);
+    // Before the numbers that they qualify.
     for remark in found.remarks() {
         session.tell(&format!("{}: {remark}\n", args.scan.display()));
     }
+    session.write(output, &result)?;
+    tell_excluded(&session, &args.scan, &lines, &found.exclusions, &found.residuals_t);
     Ok(())
 }
 
