@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use magsplice::Film;
 use magsplice::FilmError;
 use magsplice::prelude::DVec3;
+#[cfg(feature = "report")]
 use magsplice::results::FilmScan;
 use magsplice::scan::{DiagnosisError, Exclusion};
 #[cfg(feature = "report")]
