@@ -1,5 +1,7 @@
 //! `magsplice compare`: compares the field with the ideal film.
 
+#[cfg(feature = "report")]
+use std::path::Path;
 use std::path::PathBuf;
 
 use magsplice::ideal::Comparison;
@@ -49,7 +51,8 @@ pub(crate) fn run(args: &CompareArgs, quiet: bool) -> Result<(), Failure> {
     session.require_film(args.points.path().is_none(), "compare", purpose)?;
     #[cfg(feature = "report")]
     if let Some(path) = &args.figures {
-        let mut folder = Folder::open(path, "compare", &[&args.layout])?;
+        let inputs: Vec<&Path> = [Some(&*args.layout), args.points.path()].into_iter().flatten().collect();
+        let mut folder = Folder::open(path, "compare", &inputs)?;
         for figure in ideal_film_figures(&session.film()?)? {
             for (name, contents) in figure.files() {
                 folder.write(&name, contents)?;
