@@ -215,7 +215,15 @@ impl DesignProblem<'_> {
         let least = merits().fold(f64::INFINITY, f64::min);
         // Errors within a tenth are squares within a fifth.
         let agreeing = merits().filter(|merit| *merit <= 1.2 * least).count();
-        let best = all.into_iter().flatten().min_by(|a, b| a.merit().total_cmp(&b.merit()));
+        // Rounding to coarse steps may cost more than the starts differ by.
+        let rounded: Vec<(f64, Candidate)> = all
+            .into_par_iter()
+            .flatten()
+            .map(|found| (rounding::rounded_merit(self, &self.pattern, &found.variables), found))
+            .collect();
+        let order =
+            |a: &(f64, Candidate), b: &(f64, Candidate)| a.0.total_cmp(&b.0).then(a.1.merit().total_cmp(&b.1.merit()));
+        let best = rounded.into_iter().min_by(order).map(|(_, best)| best);
         Ok(BestOfStarts { best: best.ok_or(DesignError::Singular)?, agreeing })
     }
 
