@@ -155,7 +155,7 @@ impl ForcePainter {
     fn legend(&self, sheet: &Sheet, tiles: &[DrawnForce], is_ordered: bool) -> DrawResult {
         let left = self.panel.right() + 24.0;
         let mut y = TOP_PX + 10.0;
-        y = direction_wheel(sheet, &self.directions, left, y)? + 40.0;
+        y = direction_wheel(sheet, &self.directions, light, left, y)? + 40.0;
         let title = if is_ordered { "Force during placement" } else { "Force by all others" };
         sheet.text([left, y], title, LETTERS)?;
         y += 26.0;

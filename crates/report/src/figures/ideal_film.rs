@@ -7,6 +7,7 @@ use glam::DVec3;
 use magsplice::Film;
 use magsplice::prelude::{IdealFilm, Tile};
 
+use super::layout_legend::{direction_wheel, strength};
 use super::vectors;
 use crate::colours::{DirectionColours, plotters_colour};
 use crate::csv::csv_of_vectors;
@@ -15,10 +16,10 @@ use crate::error::{DrawError, ReportError};
 use crate::marks::arrow;
 use crate::panel::{AxisLabel, BELOW_PX, LEFT_PX, Panel, equal_scale};
 use crate::shared_ranges::SharedRanges;
-use crate::sheet::sheet;
+use crate::sheet::{INK, LETTERS, sheet};
 use crate::survey::{IDEAL_ROUND_OFF, without_round_off};
 use crate::tile_shapes::bounds;
-use crate::typeset::AXIS_NAMES;
+use crate::typeset::{AXIS_NAMES, variable};
 
 const POLARIZATION_CAPTION: &str = "J of the ideal film (Eq. 1) from above, over the extent of the spliced film. The \
     length of an arrow is proportional to the magnitude of J, and its colour shows the direction.";
@@ -34,10 +35,16 @@ const MOST_ARROWS: f64 = 48.0;
 
 /// Largest width and height of the panel, in pixels.
 const ROOM_PX: [f64; 2] = [560.0, 560.0];
-const TOP_PX: f64 = 34.0;
+const TOP_PX: f64 = 20.0;
+
+/// Width of the legend at the right of the panel, in pixels.
+const LEGEND_PX: f64 = 190.0;
 
 /// Lengths of the longest arrow over the distance of neighbouring arrows.
 const LONGEST: f64 = 1.1;
+
+/// Width of an arrow, in pixels.
+const ARROW_PX: f64 = 1.8;
 
 /// The figures `ideal-polarization` and `ideal-vectors` of the ideal film, over the extent of the
 /// film.
@@ -102,17 +109,22 @@ fn draw(ideal: &IdealFilm, columns: &[Tile], [lower, upper]: [DVec3; 2]) -> Resu
     let [width, height] = equal_scale(ROOM_PX, extent.to_array());
     let panel = Panel::new([LEFT_PX, TOP_PX], [width, height], [lower.x, upper.x], [lower.y, upper.y]);
     let directions = DirectionColours::new();
-    sheet([panel.right() + 24.0, panel.bottom() + BELOW_PX + 6.0], |sheet| {
+    let most_t = SQRT_2 * ideal.amplitude_t().abs();
+    let longest = |column: &Tile| LONGEST * column.size().x * panel.px_per_x();
+    sheet([panel.right() + LEGEND_PX, panel.bottom() + BELOW_PX + 6.0], |sheet| {
         for column in columns.iter().filter(|column| panel.contains(column.position().x, column.position().y)) {
             let j = column.polarization_t();
-            let longest = LONGEST * column.size().x * panel.px_per_x();
-            let half = 0.5 * longest * j / (SQRT_2 * ideal.amplitude_t().abs());
+            let half = 0.5 * longest(column) * j / most_t;
             let [x, y] = panel.at(column.position().x, column.position().y);
             let colour = plotters_colour(directions.colour(j));
-            arrow(sheet, [x - half.x, y + half.y], [x + half.x, y - half.y], 1.8, colour)?;
+            arrow(sheet, [x - half.x, y + half.y], [x + half.x, y - half.y], ARROW_PX, colour)?;
         }
         let [x, y] = [0, 1].map(|axis| AxisLabel::Coordinate(AXIS_NAMES[axis]));
         panel.axes(sheet, x, y)?;
-        panel.title(sheet, 0, "J of the ideal film, from above")
+        let left = panel.right() + 24.0;
+        let y = direction_wheel(sheet, &directions, plotters_colour, left, TOP_PX + 10.0)? + 34.0;
+        let Some(length) = columns.first().map(longest) else { return Ok(()) };
+        arrow(sheet, [left, y], [left + length, y], ARROW_PX, INK)?;
+        sheet.text([left + length + 8.0, y], &format!("largest |{}|: {}", variable("J"), strength(most_t)), LETTERS)
     })
 }

@@ -2,8 +2,9 @@
 
 use glam::DVec3;
 use magsplice::layout::NamedTile;
+use plotters::prelude::RGBColor;
 
-use crate::colours::{DirectionColours, light};
+use crate::colours::{DirectionColours, Rgb, light};
 use crate::marks::{VANISHING, arrow, corner_brackets, out_of_plane_mark};
 use crate::sheet::{DrawResult, INK, LETTERS, PlotError, Sheet};
 use crate::typeset::{rounded, variable};
@@ -33,7 +34,7 @@ impl LayoutLegend<'_> {
     pub(super) fn draw(&self, sheet: &Sheet, directions: &DirectionColours) -> DrawResult {
         let left = self.left;
         let mut y = self.top + 10.0;
-        y = direction_wheel(sheet, directions, left, y)? + 34.0;
+        y = direction_wheel(sheet, directions, light, left, y)? + 34.0;
         y = self.marks(sheet, y)?;
         for line in self.lines() {
             sheet.text([left, y], &line, LETTERS)?;
@@ -86,10 +87,12 @@ impl LayoutLegend<'_> {
     }
 }
 
-/// Draws the colour circle with its title from `y` down, and returns where it ends.
+/// Draws the colour circle, its colours by `shade`, with its title from `y` down, and returns where
+/// it ends.
 pub(super) fn direction_wheel(
     sheet: &Sheet,
     directions: &DirectionColours,
+    shade: fn(Rgb) -> RGBColor,
     left: f64,
     y: f64,
 ) -> Result<f64, PlotError> {
@@ -102,7 +105,7 @@ pub(super) fn direction_wheel(
         let angle = |i: i32| f64::from(i) / f64::from(sectors) * std::f64::consts::TAU;
         let (from, to, middle) = (angle(i) - 0.01, angle(i + 1), 0.5 * (angle(i) + angle(i + 1)));
         let rim = |angle: f64, r: f64| [centre[0] + r * angle.cos(), centre[1] - r * angle.sin()];
-        let colour = light(directions.colour(DVec3::new(middle.cos(), middle.sin(), 0.0)));
+        let colour = shade(directions.colour(DVec3::new(middle.cos(), middle.sin(), 0.0)));
         let inner = 0.45 * wheel;
         sheet.fill(&[rim(from, wheel), rim(to, wheel), rim(to, inner), rim(from, inner)], colour)?;
     }
@@ -116,6 +119,6 @@ pub(super) fn direction_wheel(
 }
 
 /// A polarization with four significant digits and its unit.
-fn strength(value_t: f64) -> String {
+pub(super) fn strength(value_t: f64) -> String {
     format!("{} T", rounded(value_t, 3))
 }
