@@ -60,6 +60,7 @@ impl Search<'_> {
         let mut detected: Vec<Candidate> = Vec::new();
         let mut visited: Vec<Vec<Candidate>> = vec![Vec::new()];
         let deviations = |detected: &[Candidate]| self.model.unknowns.with_detected(detected);
+        let usable = start.is_used.clone();
         // Wild readings are excluded before they pull the first fit.
         let mut start = start.clone();
         loop {
@@ -71,6 +72,11 @@ impl Search<'_> {
             start = start.without(&wild);
         }
         let (mut at, mut compared) = self.converged(start, &deviations(&detected))?;
+        // The linear model at the nominal film cannot judge them where errors are large.
+        let admitted = self.with_unsuspicious(&at, &compared, &usable)?;
+        if admitted.is_used != at.is_used {
+            (at, compared) = self.converged(admitted, &deviations(&detected))?;
+        }
         let is_complete = loop {
             watch(detected.len());
             let wild = self.wild(&at, &compared, &detected)?;
@@ -200,6 +206,34 @@ impl Search<'_> {
             true => Err(DiagnosisError::AnotherFilm { outliers: excluded }),
             false => Ok(wild),
         }
+    }
+
+    /// The model with those of the `usable` readings that agree with the fit of the used ones: within
+    /// six standard deviations of the noise and of the fit together.
+    fn with_unsuspicious(
+        &self,
+        at: &Linearized,
+        compared: &Compared,
+        usable: &[bool],
+    ) -> Result<Linearized, DiagnosisError> {
+        if at.is_used == usable {
+            return Ok(at.clone());
+        }
+        let fit = PriorFit::new(&at.gram, &compared.projected, &self.model.unknowns.with_detected(&[]))?;
+        let all = self.model.linearized(at.state.clone(), usable, None)?;
+        let residuals = self.model.compared(&all, self.readings_t).whitened;
+        let is_suspicious = |reading: &usize| {
+            let row = 3 * reading;
+            let residual = Vector3::from_column_slice(&residuals[row..row + 3]);
+            let predicted = Matrix3::identity() + fit.leverage(&all.columns, row);
+            let chi_squared = predicted.cholesky().map_or(f64::INFINITY, |own| residual.dot(&own.solve(&residual)));
+            chi_squared > OUTLIER * OUTLIER
+        };
+        let suspicious: Vec<usize> = (0..usable.len())
+            .filter(|reading| usable[*reading] && !at.is_used[*reading])
+            .filter(is_suspicious)
+            .collect();
+        Ok(all.without(&suspicious))
     }
 
     /// The tests of all errors that are not identified, after the removal of `error`.

@@ -160,6 +160,28 @@ fn films_with_errors_of_all_tiles_are_told() {
     assert_eq!(found.detected.len(), 16);
 }
 
+/// Errors of 0.15 mm, 1 mm from the film, are far from linear: their readings agree with the fit, and
+/// a wild reading does not.
+#[test]
+fn films_made_by_hand_have_no_faulty_tiles_and_no_wild_readings() {
+    let ordered = &film()[..12];
+    let expected = FilmTolerance::of_tiles(&Preset::ByHand.errors(), ordered.len());
+    let points_mm: Vec<DVec3> = points().into_iter().filter(|point| point.x < 0.0).collect();
+    let scan = FieldScan { points_mm: points_mm.clone(), noise_t: DVec3::splat(NOISE_T) };
+    let settings = DiagnosisSettings { expected: expected.clone(), ..DiagnosisSettings::default() };
+    let model = ScanDiagnosis::new(ordered, scan, settings, ScanParameters::PERFECT).unwrap();
+    for seed in 0..8 {
+        let tiles = RealFilm::new(ordered, &expected).sample_tiles(seed, 0).unwrap();
+        let mut readings_t = readings(&tiles, &points_mm, NOISE_T, &mut ChaCha8Rng::seed_from_u64(seed));
+        let wild = 13 * seed as usize;
+        readings_t[wild].y += 2e-3;
+        let found = model.diagnose(&readings_t, |_| {}).unwrap();
+        let excluded: Vec<usize> = (0..points_mm.len()).filter(|index| found.exclusions[*index].is_some()).collect();
+        assert_eq!((candidates(&found), excluded), (vec![], vec![wild]), "film {seed}");
+        assert!(!found.is_residual_too_large(), "film {seed}");
+    }
+}
+
 /// Noise of twice the specified deviation has a chi squared of four times the number of readings.
 #[test]
 fn residual_beyond_the_noise_is_told() {
