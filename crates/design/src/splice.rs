@@ -27,6 +27,8 @@ use crate::splice_fault::{MAX_AMPLITUDE, SpliceFault, WIDE, least_extent};
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct SpliceRequest {
+    /// Name of the film. Default: its extent and the wavelength.
+    pub name: Option<String>,
     /// Wavelength of the ideal film.
     pub wavelength_mm: f64,
     /// Extent of the film along x and y.
@@ -69,6 +71,7 @@ impl SpliceRequest {
     pub fn new(wavelength_mm: f64, film_mm: [f64; 2]) -> SpliceRequest {
         let fraction = |of: f64| four_digits(of * wavelength_mm);
         SpliceRequest {
+            name: None,
             wavelength_mm,
             film_mm,
             thickness_mm: fraction(0.1),
@@ -95,8 +98,9 @@ impl SpliceRequest {
         let refused =
             |faults: Vec<LayoutFault>| DesignError::Request(faults.into_iter().map(SpliceFault::Layout).collect());
         let [width, depth] = self.film_mm;
+        let default_name = || format!("{width} x {depth} mm for a wavelength of {} mm", self.wavelength_mm);
         let unchecked = Layout {
-            name: format!("{width} x {depth} mm for a wavelength of {} mm", self.wavelength_mm),
+            name: self.name.clone().unwrap_or_else(default_name),
             ideal: IdealFilm::new(self.wavelength_mm, self.thickness_mm, self.remanence_t).ok(),
             volume: Some(self.volume().map_err(refused)?),
             tiles: self.tiles().map_err(|fault| refused(vec![fault]))?,

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::sync::{Mutex, PoisonError};
 
 use magsplice::design::{DesignProblem, ProgressUpdate, SpliceRequest, distances_of};
-use magsplice::layout::{Brief, Goal, Preset, StatedSensor};
+use magsplice::layout::{Brief, Goal, Preset, StatedSensor, Under};
 use magsplice::results::FoundFilm;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -78,10 +78,13 @@ pub(crate) fn pattern(
     starts: usize,
     seed: u64,
     preset: Option<&str>,
+    under: &str,
     sensor: Option<&str>,
+    name: Option<String>,
 ) -> PyResult<String> {
     let goal: Goal = one_of("goal", goal, "\"uniformity\", \"displacement\" or \"field\"")?;
     let preset = preset.map(|name| one_of::<Preset>("preset", name, PRESETS)).transpose()?;
+    let under: Under = one_of("under", under, "\"nominal\" or \"tolerance\"")?;
     let part = |name: &str| {
         let known =
             || bad_value(format_args!("sensor = {name:?}, must be one of: {}", StatedSensor::part_names().join(", ")));
@@ -90,6 +93,7 @@ pub(crate) fn pattern(
     let sensor = sensor.map(part).transpose()?;
     let default = SpliceRequest::new(wavelength_mm, film_mm);
     let request = SpliceRequest {
+        name,
         thickness_mm: thickness_mm.unwrap_or(default.thickness_mm),
         remanence_t,
         range_mm: range_mm.unwrap_or(default.range_mm),
@@ -104,6 +108,7 @@ pub(crate) fn pattern(
             least_amplitude: Some(least_amplitude),
             parts,
             goal,
+            under,
             starts,
             seed,
             ..default.brief

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::ValueEnum;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use magsplice::design::{DesignProblem, MadeFilms, SearchResult, SpliceRequest, distances_of};
-use magsplice::layout::{self, Brief, FilmTolerance, Goal, StatedSensor};
+use magsplice::layout::{self, Brief, FilmTolerance, Goal, StatedSensor, Under};
 
 use super::design::search::{self, Origin};
 use crate::args::formats::TextOrJson;
@@ -50,7 +50,7 @@ pub(crate) struct SpliceArgs {
     remanence: f64,
     /// Extent of the working volume along x and y, in mm, such as 4x4: the region under the middle
     /// of the film in which the sensor moves [default: 0.4 of the wavelength each]
-    #[arg(long, alias = "under", value_name = "XxY", value_parser = extents_mm, allow_hyphen_values = true)]
+    #[arg(long, value_name = "XxY", value_parser = extents_mm, allow_hyphen_values = true)]
     range: Option<[f64; 2]>,
     /// Least and greatest distance of the sensor below the film, in mm, such as 3..5, or its z,
     /// such as -5..-3 [default: 0.3 and 0.5 of the wavelength]
@@ -78,6 +78,10 @@ pub(crate) struct SpliceArgs {
     /// of workshop are assumed at the end, and not written
     #[arg(long, value_enum)]
     preset: Option<Preset>,
+    /// Films whose error the search minimizes: as ordered, or as made with the errors of --preset,
+    /// which takes about three times as long
+    #[arg(long, value_enum, default_value = "nominal", requires_if("tolerance", "preset"))]
+    under: UnderArg,
     /// Part with known noise, counts and range, for the table [sensor] of the film
     #[arg(long, value_name = "PART", ignore_case = true,
         value_parser = sensor_part())]
@@ -85,6 +89,9 @@ pub(crate) struct SpliceArgs {
     /// Error to minimize
     #[arg(long, value_enum, default_value = "displacement")]
     goal: GoalArg,
+    /// Name of the film in its layout [default: its extent and the wavelength]
+    #[arg(long, value_name = "NAME")]
+    name: Option<String>,
     /// Number of points from which the search starts
     #[arg(long, value_name = "N", default_value = "8", value_parser = |text: &str| whole(text, 1..=10_000_u32))]
     starts: u32,
@@ -104,6 +111,7 @@ impl SpliceArgs {
     fn request(&self) -> SpliceRequest {
         let default = SpliceRequest::new(self.wavelength, self.film);
         SpliceRequest {
+            name: self.name.clone(),
             thickness_mm: self.thickness.unwrap_or(default.thickness_mm),
             remanence_t: self.remanence,
             range_mm: self.range.unwrap_or(default.range_mm),
@@ -121,6 +129,10 @@ impl SpliceArgs {
                     GoalArg::Uniformity => Goal::Uniformity,
                     GoalArg::Displacement => Goal::Displacement,
                     GoalArg::Field => Goal::Field,
+                },
+                under: match self.under {
+                    UnderArg::Nominal => Under::Nominal,
+                    UnderArg::Tolerance => Under::Tolerance,
                 },
                 starts: self.starts as usize,
                 seed: self.seed,
@@ -141,6 +153,14 @@ enum GoalArg {
     Field,
 }
 
+#[derive(Clone, Copy, ValueEnum)]
+enum UnderArg {
+    /// The film as ordered
+    Nominal,
+    /// Films as made: the mean of their squared errors
+    Tolerance,
+}
+
 pub(crate) fn run(args: &SpliceArgs, quiet: bool) -> Result<u8, Failure> {
     let failed = |error| Failure::design(Path::new("splice"), error);
     let request = args.request();
@@ -158,7 +178,7 @@ const ASSUMED: (layout::Preset, u64) = (layout::Preset::Workshop, 200);
 
 /// Adds the errors of films as made to a film that meets its requirements as ordered.
 fn evaluate_as_made(problem: &DesignProblem, result: &mut SearchResult, given: Option<&FilmTolerance>, quiet: bool) {
-    if result.interrupted || !result.short_of.is_empty() {
+    if result.made.is_some() || result.interrupted || !result.short_of.is_empty() {
         return;
     }
     let (preset, samples) = ASSUMED;

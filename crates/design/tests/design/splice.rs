@@ -7,6 +7,7 @@ use crate::search::PUBLISHED;
 
 fn request() -> SpliceRequest {
     SpliceRequest {
+        name: Some("pad of a finger".to_owned()),
         wavelength_mm: 12.0,
         film_mm: [24.0, 30.0],
         thickness_mm: 1.5,
@@ -36,6 +37,7 @@ fn layout_has_the_errors_and_the_sensor_of_the_request() {
     let layout = request().layout().unwrap_or_else(|e| panic!("{e}"));
     let read = Layout::parse(&layout.to_toml(), "spliced").unwrap_or_else(|e| panic!("{e}"));
     for layout in [layout, read] {
+        assert_eq!(layout.name, "pad of a finger");
         let tolerance = layout.tolerance.expect("errors");
         assert_eq!(tolerance.tiles.len(), layout.tiles.len());
         assert!(tolerance.tiles.iter().all(|errors| *errors == Preset::Jig.errors()));

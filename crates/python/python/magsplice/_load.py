@@ -87,7 +87,9 @@ def pattern(
     starts: int = 8,
     seed: int = 1,
     preset: Preset | None = None,
+    under: Literal["nominal", "tolerance"] = "nominal",
     sensor: str | None = None,
+    name: str | None = None,
 ) -> Film:
     """Start film of a design, from a few numbers: the pattern of Dai 2024, Fig. 5.
 
@@ -124,8 +126,12 @@ def pattern(
         Number of starts of the search, and the seed of their random variations.
     preset : {"by-hand", "workshop", "jig"}, optional
         Usual errors of the tiles, for the table ``[tolerance]`` of the film.
+    under : {"nominal", "tolerance"}
+        Films whose error the search minimizes: as ordered, or as made with the errors of `preset`.
     sensor : str, optional
         Part with known noise, counts and range, such as "MLX90393", for the table ``[sensor]``.
+    name : str, optional
+        Name of the film. Default: its extent and the wavelength.
 
     Raises
     ------
@@ -154,7 +160,9 @@ def pattern(
         starts,
         seed,
         preset,
+        under,
         sensor,
+        name,
     )
     return film_of_text(text, "the pattern", None)
 

@@ -240,5 +240,7 @@ def pattern(
     starts: int,
     seed: int,
     preset: str | None,
+    under: str,
     sensor: str | None,
+    name: str | None,
 ) -> str: ...

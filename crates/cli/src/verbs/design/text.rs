@@ -89,8 +89,7 @@ pub(super) fn found_film(
             if problem.brief().under != Under::Tolerance {
                 let _ = writeln!(
                     text,
-                    "the search was for the film as ordered: under = \"tolerance\" in [design] and `magsplice design {path}` \
-                     search for films as made"
+                    "the search was for the film as ordered:{preset} --under tolerance searches for films as made"
                 );
             }
         }
