@@ -199,7 +199,7 @@ fn bodies_have_twelve_triangles_with_outward_normals() {
 #[test]
 fn splice_rounds_to_the_resolution_asked_for() {
     let sandbox = Sandbox::new();
-    let common = ["splice", "--wavelength", "10", "--film", "20x20", "--starts", "1", "--under", "3x3"];
+    let common = ["splice", "--wavelength", "10", "--film", "20x20", "--starts", "1", "--range", "3x3"];
     let coarse = [&common[..], &["--resolution", "0.05", "--resolution-deg", "1", "-o", "film.toml"]].concat();
     let said = sandbox.run(&coarse);
     assert_eq!(said.status, 0, "{}{}", said.stdout, said.stderr);

@@ -94,3 +94,21 @@ fn splice_ends_with_the_film_as_made_and_its_sensor() {
     let of_large = splice(&["--sensor", "MLX90393", "--format", "json"]);
     assert!(!of_large.contains("out_of_range"), "{of_large}");
 }
+
+/// `--under tolerance` is the search for films as made: with coarse steps it finds a better one.
+#[test]
+fn splice_searches_for_films_as_made() {
+    let sandbox = Sandbox::new();
+    let request = ["splice", "--wavelength", "10", "--film", "15x15", "--starts", "2", "--resolution", "0.5"];
+    let p95 = |options: &[&str]| {
+        let said = sandbox
+            .run(&[&request[..], &["--preset", "by-hand", "--format", "json", "-o", "film.toml"], options].concat());
+        let found: serde_json::Value = serde_json::from_str(&said.stdout).expect("JSON");
+        found["made"]["after"]["displacement_rmse_mm"]["x"]["p95"]["value"].as_f64().expect("a number")
+    };
+    assert!(p95(&["--under", "tolerance"]) < p95(&[]));
+    let said = sandbox.run(&[&request[..], &["--preset", "by-hand", "--name", "pad", "-o", "film.toml"]].concat());
+    assert!(said.stdout.contains("as ordered: --under tolerance searches"), "{}", said.stdout);
+    assert!(sandbox.read("film.toml").contains("name = \"pad\""), "{}", sandbox.read("film.toml"));
+    sandbox.run(&[&request[..], &["--under", "tolerance"]].concat()).refuses_arguments("--preset <PRESET>");
+}

@@ -39,7 +39,8 @@ impl DesignProblem<'_> {
     /// because no file has its tiles.
     pub fn spliced_layout(&self, result: &SearchResult, program: &str) -> Layout {
         let start = format!("the start pattern (Dai 2024, Fig. 5) for \"{}\"", self.layout.name);
-        self.layout_from(&start, result, program)
+        // No other film has the name.
+        Layout { name: self.layout.name.clone(), ..self.layout_from(&start, result, program) }
     }
 
     fn layout_from(&self, start: &str, result: &SearchResult, program: &str) -> Layout {
