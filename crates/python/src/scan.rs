@@ -27,18 +27,19 @@ pub(crate) fn free_parameters(fit: &[String]) -> FreeParameters {
     }
 }
 
-/// The fit of a scan. `fit` lists the parameters to fit.
+/// The fit of a scan. `fit` lists the parameters to fit; `None` for those that it determines.
 #[pyfunction]
 pub(crate) fn scan<'py>(
     py: Python<'py>,
     film: &Film,
     points: PyReadonlyArray2<'py, f64>,
     readings_t: PyReadonlyArray2<'py, f64>,
-    fit: Vec<String>,
+    fit: Option<Vec<String>>,
 ) -> PyResult<Scan<'py>> {
     let (points, readings_t) = (vectors(&points)?, vectors(&readings_t)?);
     let indices: Vec<u64> = (0..points.len() as u64).collect();
-    let found = film.run(py, |film| film.scan(points, readings_t, &indices, free_parameters(&fit)))?;
+    let free = fit.as_deref().map(free_parameters);
+    let found = film.run(py, |film| film.scan(points, readings_t, &indices, free))?;
     let arrays = with_arrays(py, &found, [("places_mm", rows_of(py, &found.places_mm).into_any())])?;
     Ok((arrays, quantities(py, &found.table())?, found.remarks()))
 }

@@ -45,6 +45,10 @@ const BETTER: f64 = 0.5;
 /// a film of the same wavelength with other tiles from ten. No parameters are reported beyond it.
 const MOST_RESIDUAL: f64 = 0.2;
 
+/// Residual with the strength held, over the residual with the strength fitted, up to which the
+/// strength is held.
+const HELD: f64 = 1.5;
+
 /// Fits the parameters of a scan: readings of a sensor, in tesla, at positions of the scan.
 ///
 /// Gauss-Newton steps use the exact field and its gradient. They begin with the orientation that
@@ -113,6 +117,47 @@ pub fn fit_scan<'a>(
         return Err(ScanError::Misfit { residual_t: fit.noise_t, reading_t });
     }
     Ok(fit)
+}
+
+/// Fits all parameters or, where errors of tiles look like another strength and height, all but the
+/// strength, and returns what it fitted.
+///
+/// The field falls off exponentially from a film, so a change of the strength is nearly a change of
+/// the height. Errors of the tiles decide between the two unless the residual is as small as the
+/// noise. The strength is held if the fit of all parameters does not converge, or if it has the
+/// residual of a film as made and hardly a smaller one than with the strength held.
+///
+/// # Errors
+/// As [`fit_scan`].
+///
+/// # Panics
+/// As [`fit_scan`].
+pub fn fit_determined<'a>(
+    field: impl Into<SensedField<'a>>,
+    points: &[DVec3],
+    readings_t: &[DVec3],
+    centre: Option<DVec3>,
+) -> Result<(ScanFit, FreeParameters), ScanError> {
+    let field = field.into();
+    let noise_t = field.sensor().deviation_t().max_element();
+    let scaled_t: Vec<DVec3> = readings_t.iter().map(|reading_t| *reading_t / field.sensor().gain).collect();
+    let fitted = |free| fit_scan(field.clone(), points, readings_t, free, centre);
+    let share = |fit: &ScanFit| fit.noise_t / root_mean_square(fit, &scaled_t);
+    let is_noise = |fit: &ScanFit| match noise_t > 0.0 {
+        true => fit.noise_t <= EXPECTED_RESIDUAL * noise_t,
+        false => share(fit) <= SMALL_RESIDUAL,
+    };
+    let all = fitted(FreeParameters::ALL);
+    if !matches!(&all, Ok(fit) if !is_noise(fit)) && !matches!(all, Err(ScanError::NoConvergence)) {
+        return Ok((all?, FreeParameters::ALL));
+    }
+    let most_t = all.as_ref().map_or(f64::INFINITY, |fit| HELD * fit.noise_t);
+    match fitted(FreeParameters::HELD_STRENGTH) {
+        Ok(held) if held.noise_t <= most_t && share(&held) <= MOST_RESIDUAL => {
+            Ok((held, FreeParameters::HELD_STRENGTH))
+        }
+        _ => Ok((all?, FreeParameters::ALL)),
+    }
 }
 
 /// The fit of less changes, or the other if it fits twice as well.

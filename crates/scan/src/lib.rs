@@ -43,7 +43,7 @@ pub use diagnosis::{
     FittedError, NarrowedError, ScanDiagnosis, SimilarErrors,
 };
 pub use exclusion::Exclusion;
-pub use fit::fit_scan;
+pub use fit::{fit_determined, fit_scan};
 pub use fit_error::ScanError;
 pub use least_squares::ScanFit;
 pub use parameters::{FreeParameters, ScanParameter, ScanParameters};

@@ -72,6 +72,9 @@ impl FreeParameters {
     /// Every parameter.
     pub const ALL: FreeParameters = FreeParameters { strength: true, offset: true, rotation: true, start: true };
 
+    /// Every parameter but the strength, which is held.
+    pub const HELD_STRENGTH: FreeParameters = FreeParameters { strength: false, ..FreeParameters::ALL };
+
     /// No parameter: the scan is known.
     pub const NONE: FreeParameters = FreeParameters { strength: false, offset: false, rotation: false, start: false };
 

@@ -16,7 +16,7 @@ pub(crate) enum FitArg {
 }
 
 impl FitArg {
-    /// The parameters that are fitted.
+    /// The parameters of a list.
     pub(crate) fn free(fitted: &[FitArg]) -> FreeParameters {
         let is_free = |what: FitArg| fitted.contains(&what);
         FreeParameters {

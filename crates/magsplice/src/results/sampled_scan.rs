@@ -200,7 +200,7 @@ mod tests {
         let points_mm: Vec<DVec3> = film.volume().unwrap().grid.points().collect();
         let numbers: Vec<u64> = (0..points_mm.len() as u64).collect();
         let made = film.sampled_scan(points_mm.clone(), 1, 0).unwrap();
-        let found = film.scan(&points_mm, &made.readings_t, &numbers, FreeParameters::ALL).unwrap();
+        let found = film.scan(&points_mm, &made.readings_t, &numbers, Some(FreeParameters::ALL)).unwrap();
         let (known, found) = (made.scan, found.fitted);
         assert!((known.strength - 0.98).abs() < 1e-12 && (found.strength / known.strength - 1.0).abs() < 1e-6);
         for (known, found, most) in [

@@ -5,7 +5,9 @@ use std::ops::RangeInclusive;
 use glam::DVec3;
 use magsplice_decouple::{Branch, NoPlanes, Parameters, PerParameter, uniformity_by_planes};
 use magsplice_magnet::Grid;
-use magsplice_scan::{Exclusion, FreeParameters, ScanError, ScanFit, ScanPositions, SignedAxes, fit_scan};
+use magsplice_scan::{
+    Exclusion, FreeParameters, ScanError, ScanFit, ScanPositions, SignedAxes, fit_determined, fit_scan,
+};
 use serde::Serialize;
 
 use super::placement::FittedScan;
@@ -68,6 +70,12 @@ pub struct FilmScan {
     /// The field of the layout, times the fitted strength.
     #[serde(skip)]
     pub simulated_t: Vec<DVec3>,
+    /// What was fitted.
+    #[serde(skip)]
+    pub fit: FreeParameters,
+    /// Whether the strength is held because the scan does not tell it from the height.
+    #[serde(skip)]
+    pub holds_strength: bool,
     /// Largest noise of the sensor of the layout; 0 without one.
     #[serde(skip)]
     pub sensor_noise_t: f64,
@@ -128,7 +136,8 @@ pub struct ScanUniformity {
 
 impl Film {
     /// Fits a scan: `readings_t` of the sensor of the layout at points in millimetres, with their
-    /// `numbers`. `free` is what is fitted.
+    /// `numbers`. `free` is what is fitted; `None` for what the scan determines,
+    /// [`fit_determined`].
     ///
     /// # Errors
     /// [`FilmError::Points`] for points without a field; otherwise [`FilmError::Scan`], or
@@ -141,15 +150,20 @@ impl Film {
         points_mm: &[DVec3],
         readings_t: &[DVec3],
         numbers: &[u64],
-        free: FreeParameters,
+        free: Option<FreeParameters>,
     ) -> Result<FilmScan, FilmError> {
         self.tell(Stage::uncounted("fitting the scan"));
         let sensed = self.sensed_field(&Grid::around(points_mm))?;
-        let fit =
-            fit_scan(sensed.clone(), points_mm, readings_t, free, self.centre_mm()).map_err(|error| match error {
-                ScanError::Points(errors) => FilmError::Points(errors),
-                error => FilmError::Scan(error),
-            })?;
+        let centre_mm = self.centre_mm();
+        let is_chosen = free.is_none();
+        let fit = match free {
+            Some(free) => fit_scan(sensed.clone(), points_mm, readings_t, free, centre_mm).map(|fit| (fit, free)),
+            None => fit_determined(sensed.clone(), points_mm, readings_t, centre_mm),
+        };
+        let (fit, free) = fit.map_err(|error| match error {
+            ScanError::Points(errors) => FilmError::Points(errors),
+            error => FilmError::Scan(error),
+        })?;
         let ScanFit { parameters, deviations, sensor_axes, stage_axes, .. } = fit;
         let places_mm: Vec<DVec3> = points_mm.iter().map(|point| fit.place(*point)).collect();
         // Readings without the errors that the layout states, along the axes of its sensor.
@@ -176,6 +190,7 @@ impl Film {
             repeated: numbered(&positions.repeated),
             fitted: FittedScan::new(&parameters, fit.offset_t()),
             deviation: FittedScan::new(&deviations, fit.offset_deviation_t()),
+            fit: free,
             sensor_axes,
             stage_axes,
             residual_t: fit.noise_t,
@@ -186,6 +201,7 @@ impl Film {
             places_mm,
             corrected_t,
             simulated_t,
+            holds_strength: is_chosen && !free.strength,
             sensor_noise_t: self.layout().sensor.as_ref().map_or(0.0, |of| of.element.deviation_t().max_element()),
         })
     }
@@ -230,11 +246,17 @@ impl FilmScan {
             format!(
                 "the residual is {} times the noise of the sensor: the film differs from the layout, or the positions \
                  of the scan are wrong; the deviations do not contain this. Errors of tiles look like another strength \
-                 and height: a fit of offset, rotation and start alone holds the strength",
-                number(ratio)
+                 and height{}",
+                number(ratio),
+                if self.fit.strength { ": a fit of offset, rotation and start alone holds the strength" } else { "" }
             )
         });
-        strength.into_iter().chain(residual).collect()
+        let held = self.holds_strength.then(|| {
+            "the strength of the layout is held, as this scan does not tell it from the height; a diagnosis with the \
+             expected errors of the tiles fits both"
+                .to_owned()
+        });
+        strength.into_iter().chain(residual).chain(held).collect()
     }
 
     /// The readings with the field of the layout at the same places.

@@ -166,7 +166,7 @@ def calibrate(
     rest_t: _Floats | None,
 ) -> tuple[tuple[_Result, _Result], list[str]]: ...
 def scan(
-    film: Film, points: _Floats, readings_t: _Floats, fit: list[str]
+    film: Film, points: _Floats, readings_t: _Floats, fit: list[str] | None
 ) -> tuple[tuple[_Result, _Result], dict[str, tuple[list[str], _Floats]], list[str]]: ...
 def sample(
     film: Film, preset: str | None, seed: int, index: int, points: _Floats

@@ -18,7 +18,6 @@ from magsplice._layout import Floats, Grid, three_of, vector
 from magsplice._points import flattened, shaped
 from magsplice._samples import Preset
 from magsplice._scan import (
-    UNKNOWNS,
     SampledScan,
     Scan,
     Unknown,
@@ -222,7 +221,7 @@ class Sensed(Assembly):
         points_mm: ArrayLike,
         readings_t: ArrayLike,
         *,
-        fit: Collection[Unknown] = UNKNOWNS,
+        fit: Collection[Unknown] | None = None,
     ) -> Scan:
         """Comparison of a measured scan with the film, as in ``magsplice scan``.
 
@@ -235,9 +234,10 @@ class Sensed(Assembly):
         readings_t : array_like of shape (..., 3)
             Readings of the sensor of ``[sensor]`` there, in tesla; without this table, B. Readings
             with NaN are excluded.
-        fit : collection of {"strength", "offset", "rotation", "start"}
+        fit : collection of {"strength", "offset", "rotation", "start"}, optional
             Parameters to fit: the strength of all tiles, a constant reading, the rotation of the
-            sensor, its position at the origin of the scan.
+            sensor, its position at the origin of the scan. Default: all; where errors of tiles look
+            like another strength and height, all but the strength.
 
         Raises
         ------
@@ -259,9 +259,8 @@ class Sensed(Assembly):
         """
         (points, shape), (readings, _) = flattened(points_mm), flattened(readings_t)
         check_scan(points, readings)
-        (numbers, more), quantities, remarks = _magsplice.scan(
-            self, points, readings, fitted_words(fit)
-        )
+        words = None if fit is None else fitted_words(fit)
+        (numbers, more), quantities, remarks = _magsplice.scan(self, points, readings, words)
         _findings.warn_of_measurement(self, remarks)
         return Scan(numbers, more, quantities, shape)
 

@@ -208,8 +208,8 @@ impl Search<'_> {
         }
     }
 
-    /// The model with those of the `usable` readings that agree with the fit of the used ones: within
-    /// six standard deviations of the noise and of the fit together.
+    /// The model with those of the `usable` readings that agree with the fit of the used ones:
+    /// within six standard deviations of the noise and of the fit together.
     fn with_unsuspicious(
         &self,
         at: &Linearized,

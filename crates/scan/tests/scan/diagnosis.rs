@@ -160,8 +160,8 @@ fn films_with_errors_of_all_tiles_are_told() {
     assert_eq!(found.detected.len(), 16);
 }
 
-/// Errors of 0.15 mm, 1 mm from the film, are far from linear: their readings agree with the fit, and
-/// a wild reading does not.
+/// Errors of 0.15 mm, 1 mm from the film, are far from linear: their readings agree with the fit,
+/// and a wild reading does not.
 #[test]
 fn films_made_by_hand_have_no_faulty_tiles_and_no_wild_readings() {
     let ordered = &film()[..12];

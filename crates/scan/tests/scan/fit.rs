@@ -2,14 +2,15 @@
 
 use glam::{DQuat, DVec3};
 use magsplice_field::Scene;
-use magsplice_layout::Layout;
+use magsplice_layout::{FilmTolerance, Layout, Preset};
 use magsplice_magnet::{HallSensor, Quantity};
-use magsplice_scan::{FreeParameters, ScanError, ScanParameter, ScanParameters, fit_scan};
+use magsplice_scan::{FreeParameters, ScanError, ScanParameter, ScanParameters, fit_determined, fit_scan};
 use magsplice_sensor::SensedField;
+use magsplice_tolerance::RealFilm;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-use crate::noisy::normal;
+use crate::noisy::{normal, readings};
 
 fn film() -> (Scene, Vec<DVec3>) {
     let layout = Layout::read("../../layouts/published-film.toml").unwrap_or_else(|e| panic!("{e}"));
@@ -137,4 +138,31 @@ fn scans_by_any_sensor_give_their_parameters() {
     assert!((fit.parameters.strength - TRUTH.strength).abs() < 1e-9);
     assert!((fit.parameters.start - TRUTH.start).length() < 1e-9, "{:?}", fit.parameters);
     assert!((fit.parameters.rotation_rad - TRUTH.rotation_rad).length() < 1e-9, "{:?}", fit.parameters);
+}
+
+/// A film as ordered tells another strength from another height, films by hand do not: their scans
+/// are fitted with the strength of the layout. Twice the expected displacement of one tile is more
+/// than all 56 move the film.
+#[test]
+fn strength_is_held_where_errors_of_tiles_look_like_it() {
+    let layout = Layout::read("../../layouts/published-film.toml").unwrap_or_else(|e| panic!("{e}"));
+    let volume = layout.volume.as_ref().expect("a volume");
+    let centre = Some(0.5 * (volume.lower_mm + volume.upper_mm));
+    let points: Vec<DVec3> = volume.grid.points().collect();
+    let ordered = layout.bare_tiles();
+    let scene = Scene::new(&ordered);
+    let weak: Vec<DVec3> = scan(&scene, &points, 5e-6, 1);
+    let (fit, free) = fit_determined(&scene, &points, &weak, centre).unwrap();
+    assert_eq!(free, FreeParameters::ALL);
+    assert_eq!(fit, fit_scan(&scene, &points, &weak, FreeParameters::ALL, centre).unwrap());
+    let expected = FilmTolerance::of_tiles(&Preset::ByHand.errors(), ordered.len());
+    for index in 0..8 {
+        let made = RealFilm::new(&ordered, &expected).sample_tiles(1, index).unwrap();
+        let mut random = ChaCha8Rng::seed_from_u64(index);
+        let readings_t = readings(&made, &points, 5e-6, &mut random);
+        let (fit, free) = fit_determined(&scene, &points, &readings_t, centre).unwrap();
+        let ScanParameters { strength, start, rotation_rad, .. } = fit.parameters;
+        assert_eq!((free, strength), (FreeParameters::HELD_STRENGTH, 1.0), "film {index}");
+        assert!(start.length() < 0.3 && rotation_rad.length() < 0.1, "film {index}: {start} {rotation_rad}");
+    }
 }

@@ -140,7 +140,7 @@ pub(crate) fn run(args: &DiagnoseArgs, quiet: bool) -> Result<(), Failure> {
         file.write(diagnosis_figure(&session.layout, &found))?;
     }
     let result = match args.format {
-        DiagnoseFormat::Text => text::diagnosis(&film, &args.scan, &args.fit, &found),
+        DiagnoseFormat::Text => text::diagnosis(&film, &args.scan, FitArg::free(&args.fit), &found),
         DiagnoseFormat::Json => json::pretty(&found),
         DiagnoseFormat::Csv => csv(&found),
     };

@@ -7,8 +7,8 @@ use std::path::Path;
 use magsplice::Film;
 use magsplice::magnet::TileError;
 use magsplice::results::{FilmDiagnosis, Suspect};
+use magsplice::scan::FreeParameters;
 
-use crate::args::fit::FitArg;
 use crate::text::number::{counted, number};
 use crate::text::units::{in_per_cent, in_ut};
 use crate::text::{header, rows};
@@ -18,7 +18,7 @@ use crate::verbs::scan::text::{excluded, fitted};
 const LISTED: usize = 6;
 
 /// The report of `diagnose` about the file `scan`, of which `fit` was fitted.
-pub(super) fn diagnosis(film: &Film, scan: &Path, fit: &[FitArg], found: &FilmDiagnosis) -> String {
+pub(super) fn diagnosis(film: &Film, scan: &Path, fit: FreeParameters, found: &FilmDiagnosis) -> String {
     let mut text = header::with_recoil(film);
     let [x, y, z] = in_ut(found.noise_t).to_array().map(number);
     let readings = counted(found.readings, "reading", "readings");
@@ -41,7 +41,7 @@ pub(super) fn diagnosis(film: &Film, scan: &Path, fit: &[FitArg], found: &FilmDi
             "and more: use the layout of this film, or give the expected errors of its tiles, as by --preset",
         );
     }
-    if !fit.is_empty() {
+    if fit != FreeParameters::NONE {
         text.push('\n');
         rows::heading(&mut text, "fitted", ["x", "y", "z"]);
         fitted(&mut text, fit, &found.scan, None);

@@ -50,14 +50,9 @@ pub(crate) struct ScanArgs {
     /// names is still required
     #[arg(long, value_name = "UNITS", value_parser = given_units)]
     unit: Option<GivenUnits>,
-    /// Parameters to fit
-    #[arg(
-        long,
-        value_enum,
-        value_delimiter = ',',
-        value_name = "WHAT",
-        default_value = "strength,offset,rotation,start"
-    )]
+    /// Parameters to fit [default: all; where errors of tiles look like another strength and
+    /// height, all but the strength]
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "WHAT")]
     fit: Vec<FitArg>,
     /// File for a table of the readings, corrected for offset and rotation, with the field of the
     /// layout and the residuals
@@ -90,7 +85,7 @@ pub(crate) fn run(args: &ScanArgs, quiet: bool) -> Result<(), Failure> {
     let Readings { beside: points_mm, readings_t, lines } =
         readings::at_positions(&session, &args.scan, args.unit.as_ref())?;
     let found = film
-        .scan(&points_mm, &readings_t, &lines, FitArg::free(&args.fit))
+        .scan(&points_mm, &readings_t, &lines, (!args.fit.is_empty()).then(|| FitArg::free(&args.fit)))
         .map_err(|error| refused(&session, &args.scan, &lines, error))?;
     #[cfg(feature = "report")]
     if let Some(mut folder) = figures {
@@ -102,7 +97,7 @@ pub(crate) fn run(args: &ScanArgs, quiet: bool) -> Result<(), Failure> {
         table::write(&found.table(), &found, format, &mut file)?;
         file.finish()?;
     }
-    let result = args.result.format.shown(&found, || text::scan(&film, &args.scan, &args.fit, &found));
+    let result = args.result.format.shown(&found, || text::scan(&film, &args.scan, &found));
     // Before the numbers that they qualify.
     for remark in found.remarks() {
         session.tell(&format!("{}: {remark}\n", args.scan.display()));

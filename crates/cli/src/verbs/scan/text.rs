@@ -5,9 +5,8 @@ use std::path::Path;
 
 use magsplice::Film;
 use magsplice::results::{ExcludedReadings, FilmScan, FittedScan};
-use magsplice::scan::SignedAxes;
+use magsplice::scan::{FreeParameters, SignedAxes};
 
-use crate::args::fit::FitArg;
 use crate::text::number::{counted, number, point};
 use crate::text::units::in_ut;
 use crate::text::{header, rows};
@@ -15,14 +14,14 @@ use crate::text::{header, rows};
 /// Positions that are listed.
 const LISTED: usize = 3;
 
-/// The report of `scan` about the file `scan`, of which `fit` was fitted.
-pub(super) fn scan(film: &Film, scan: &Path, fit: &[FitArg], found: &FilmScan) -> String {
+/// The report of `scan` about the file `scan`.
+pub(super) fn scan(film: &Film, scan: &Path, found: &FilmScan) -> String {
     let mut text = header::with_recoil(film);
     let readings = counted(found.readings, "reading", "readings");
     let _ = writeln!(text, "scan {}: {readings}{}", scan.display(), positions(found));
     text.push('\n');
     rows::heading(&mut text, "fitted, with standard deviations", ["x", "y", "z"]);
-    fitted(&mut text, fit, &found.fitted, Some(&found.deviation));
+    fitted(&mut text, found.fit, &found.fitted, Some(&found.deviation));
     rows::cell(&mut text, "residual of a component, uT", &number(in_ut(found.residual_t)));
     excluded(&mut text, &found.excluded);
     axes(&mut text, found);
@@ -66,8 +65,8 @@ fn axes(text: &mut String, found: &FilmScan) {
 }
 
 /// Appends the parameters of a scan that were fitted, with their deviations if they are known.
-pub(crate) fn fitted(text: &mut String, fit: &[FitArg], found: &FittedScan, deviation: Option<&FittedScan>) {
-    if fit.contains(&FitArg::Strength) {
+pub(crate) fn fitted(text: &mut String, fit: FreeParameters, found: &FittedScan, deviation: Option<&FittedScan>) {
+    if fit.strength {
         rows::cell(text, "  strength / strength of layout", &number(found.strength));
         if let Some(deviation) = deviation {
             rows::cell(text, "    +-", &number(deviation.strength));
@@ -75,11 +74,11 @@ pub(crate) fn fitted(text: &mut String, fit: &[FitArg], found: &FittedScan, devi
     }
     let vectors = |of: &FittedScan| [in_ut(of.offset_t), of.rotation_deg, of.start_mm];
     let names = [
-        (FitArg::Offset, "  offset and stray field, uT"),
-        (FitArg::Rotation, "  rotation of the sensor, deg"),
-        (FitArg::Start, "  start of the scan, mm"),
+        (fit.offset, "  offset and stray field, uT"),
+        (fit.rotation, "  rotation of the sensor, deg"),
+        (fit.start, "  start of the scan, mm"),
     ];
-    for (index, (_, name)) in names.into_iter().enumerate().filter(|(_, (what, _))| fit.contains(what)) {
+    for (index, (_, name)) in names.into_iter().enumerate().filter(|(_, (is_fitted, _))| *is_fitted) {
         rows::cells(text, name, vectors(found)[index].to_array().map(number));
         if let Some(deviation) = deviation {
             rows::cells(text, "    +-", vectors(deviation)[index].to_array().map(number));

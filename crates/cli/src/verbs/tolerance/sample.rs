@@ -5,13 +5,13 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use magsplice::Film;
 use magsplice::layout::TileForm;
 use magsplice::results::SampledScan;
+use magsplice::scan::FreeParameters;
 
 use super::sampling::{require_tolerance, sample_number, sampling_failure};
-use crate::args::fit::FitArg;
 use crate::args::formats::{TableFormat, TextOrJson};
 use crate::args::numbers::seed;
 use crate::args::points::PointsArgs;
@@ -117,6 +117,6 @@ fn text(film: &Film, found: &SampledScan, place: &str) -> String {
     }
     text += "\n\n";
     rows::heading(&mut text, "parameters of the scan", ["x", "y", "z"]);
-    fitted(&mut text, FitArg::value_variants(), &found.scan, None);
+    fitted(&mut text, FreeParameters::ALL, &found.scan, None);
     text
 }
