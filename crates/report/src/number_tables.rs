@@ -14,7 +14,7 @@ use crate::typeset::{AXIS_NAMES, PARAMETER_NAMES, number};
 
 pub(crate) const MT_PER_T: f64 = 1e3;
 pub(crate) const UM_PER_MM: f64 = 1e3;
-const UT_PER_T: f64 = 1e6;
+pub(crate) const UT_PER_T: f64 = 1e6;
 const PER_CENT: f64 = 1e2;
 
 const COMPONENTS: [&str; 3] = ["B_x", "B_y", "B_z"];

@@ -49,10 +49,16 @@ pub(crate) fn printed_page(
     html
 }
 
+/// A cell whose names, separated by commas, have no line breaks at their hyphens.
+fn in_whole_names(cell: &str) -> String {
+    let names: Vec<String> = cell.split(", ").map(|name| format!("<span>{}</span>", escaped(name))).collect();
+    if names.len() > 1 { names.join(", ") } else { escaped(cell) }
+}
+
 impl PrintedTable<'_> {
     fn append(&self, html: &mut String) {
         let cells = |element: &str, cells: &mut dyn Iterator<Item = &str>| -> String {
-            cells.map(|cell| format!("<{element}>{}</{element}>", escaped(cell))).collect()
+            cells.map(|cell| format!("<{element}>{}</{element}>", in_whole_names(cell))).collect()
         };
         let [head_box, row_box] =
             if self.has_boxes { ["<th></th>", "<td><span class=\"box\"></span></td>"] } else { [""; 2] };

@@ -1,11 +1,13 @@
 //! The top of a page: whether the film keeps its bounds, and the numbers that matter most.
 
+use std::borrow::Cow;
+
 use magsplice::expect::Bound;
 use magsplice::results::{CheckStatus, CheckedExpectation};
 
 use crate::film_results::FilmResults;
 use crate::html::escaped;
-use crate::number_tables::{MT_PER_T, UM_PER_MM};
+use crate::number_tables::{MT_PER_T, UM_PER_MM, UT_PER_T};
 use crate::typeset::{number, rounded};
 
 /// Digits behind the first of the numbers that matter most.
@@ -70,35 +72,40 @@ fn key_numbers(of: &FilmResults) -> String {
     let three = |values: [Option<f64>; 3], factor: f64| {
         values.map(|value| value.map_or("none".to_owned(), |value| rounded(factor * value, DIGITS))).join(", ")
     };
-    let mut keys: Vec<(&str, String, &str)> = Vec::new();
+    let mut keys: Vec<(Cow<str>, String, &str)> = Vec::new();
     if let Some(found) = &of.evaluation {
         let errors = found.decoupling.decoupling.displacement_rmse_mm.map(Some).to_array();
         keys.push((
-            "Displacement RMSE x, y, z against the ideal film, without calibration",
+            "Displacement RMSE x, y, z against the ideal film, without calibration".into(),
             three(errors, UM_PER_MM),
             "\u{b5}m",
         ));
         if let Some(uniformity) = of.uniformity_mm() {
-            keys.push(("Uniformity RMSE x, y, z as displacement", three(uniformity, UM_PER_MM), "\u{b5}m"));
+            keys.push(("Uniformity RMSE x, y, z as displacement".into(), three(uniformity, UM_PER_MM), "\u{b5}m"));
         }
-        keys.push(("Amplitude relative to the ideal film", rounded(found.comparison.amplitude, DIGITS + 1), ""));
+        keys.push(("Amplitude relative to the ideal film".into(), rounded(found.comparison.amplitude, DIGITS + 1), ""));
     }
     if let Some(b_t) = of.reference_field_t() {
-        keys.push(("B x, y, z at the reference point", three(b_t.to_array().map(Some), MT_PER_T), "mT"));
+        keys.push(("B x, y, z at the reference point".into(), three(b_t.to_array().map(Some), MT_PER_T), "mT"));
     }
     if let Some(made) = of.made_mm() {
         keys.push((
-            "Displacement RMSE x, y, z that 95 % of films as made keep",
+            "Displacement RMSE x, y, z that 95 % of films as made keep".into(),
             three(made.map(Some), UM_PER_MM),
             "\u{b5}m",
         ));
     }
     if let Some(resolution) = of.resolution_mm() {
         let rms = resolution.rms_mm.to_array().map(Some);
-        keys.push(("Resolution of the sensor x, y, z, RMS of the volume", three(rms, UM_PER_MM), "\u{b5}m"));
+        let noise = of.resolution.as_ref().map_or(String::new(), |found| {
+            let [x, y, z] = found.noise.deviation_t.to_array().map(|noise_t| rounded(UT_PER_T * noise_t, DIGITS));
+            format!(" at a noise of {x}, {y}, {z} \u{b5}T")
+        });
+        let name = format!("Resolution of the sensor x, y, z, RMS of the volume{noise}");
+        keys.push((name.into(), three(rms, UM_PER_MM), "\u{b5}m"));
     }
     let key =
-        |(name, value, unit): &(&str, String, &str)| format!("<div><dt>{name}</dt><dd>{value} {unit}</dd></div>\n");
+        |(name, value, unit): &(Cow<str>, String, &str)| format!("<div><dt>{name}</dt><dd>{value} {unit}</dd></div>\n");
     format!("<dl class=\"key\">\n{}</dl>\n", keys.iter().map(key).collect::<String>())
 }
 
