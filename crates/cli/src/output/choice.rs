@@ -8,8 +8,8 @@ use crate::args::formats::{FileFormat, TableFormat};
 use crate::failure::Failure;
 
 /// Message for Parquet in a program that was built without it.
-pub(crate) const WITHOUT_PARQUET: &str = "parquet is not built into this program: build it with `--features parquet`, as \
-    in `cargo install --path crates/cli --features parquet`";
+pub(crate) const WITHOUT_PARQUET: &str = "parquet is not built into this program: build it with its default \
+    features, as `cargo install --locked --path crates/cli` does";
 
 /// Ending of the legacy format of VTK.
 const LEGACY_VTK: &str = "vtk";

@@ -77,7 +77,7 @@ fn parquet_without_its_feature_is_refused() {
     let sandbox = Sandbox::new();
     for arguments in [["field", "-o", "out.parquet"], ["decouple", "--format", "parquet"]] {
         let said = sandbox.run(&[&arguments[..1], &[&shipped("published-film")], &arguments[1..]].concat());
-        said.refuses("parquet is not built into this program: build it with `--features parquet`");
+        said.refuses("parquet is not built into this program: build it with its default features");
     }
     assert_eq!(sandbox.files(), [""; 0]);
 }
