@@ -1,7 +1,8 @@
 //! The line of a table that has the names of its columns.
 //!
 //! Lines before it are skipped: the name of an instrument, a date, comments. The names may be in a
-//! comment, as `numpy.savetxt` writes them. Rows begin below the names.
+//! comment, as `numpy.savetxt` writes them. A line below the names may have their units. Rows begin
+//! below the names.
 
 use std::io::{BufRead, BufReader, Cursor, Read};
 
@@ -78,6 +79,9 @@ pub(super) fn find(mut source: Source, fit: &dyn Fn(&[String]) -> Fit, example: 
         let is_over = bytes.is_none() || number as usize > MOST_LINES_BEFORE;
         let is_row = !is_blank && !is_comment(text) && is_numbers(text);
         if let Some(candidate) = &mut search.candidate {
+            if let Some(names) = candidate.names_with_units(text).filter(|names| fit(names) == Fit::Complete) {
+                return Ok(Candidate { names, ..candidate.clone() }.with_rest(number, Box::new(source)));
+            }
             candidate.after.extend(bytes.iter().flatten());
             candidate.lines_after += usize::from(bytes.is_some());
             if is_row || bytes.is_none() || candidate.lines_after > MOST_LINES_BEFORE {
@@ -142,6 +146,17 @@ impl Search<'_> {
 impl Candidate {
     fn with_rest(self, lines_before: u64, rest: Box<dyn Read>) -> NamesLine {
         NamesLine { names: self.names, line: self.line, separator: self.separator, rest, lines_before }
+    }
+
+    /// The names with the units of a line below them, such as `mm,mm,mm,mT,mT,mT`. A name whose
+    /// cell is empty has no unit.
+    fn names_with_units(&self, text: &str) -> Option<Vec<String>> {
+        let units = self.separator.cells(text);
+        let with_unit = |(name, unit): (&String, &String)| match unit.trim_matches(['(', ')', '[', ']']).trim() {
+            "" => name.clone(),
+            unit => format!("{name} ({unit})"),
+        };
+        (units.len() == self.names.len()).then(|| self.names.iter().zip(&units).map(with_unit).collect())
     }
 
     /// The names with the lines after them, of which `row` is the last.

@@ -75,6 +75,19 @@ fn lines_before_the_names_are_skipped() {
         same(&format!("{before}bx_mt,by_mt,bz_mt\n{rows}"), "", &[]);
     }
     same("Instrument X\n% bx_mt by_mt bz_mt\n0 0 2\n% pause\n; pause\n0.1 -0.2 2.5\n", "", &[]);
+    // Units in a line of their own.
+    for names in ["No,Bx,By,Bz\n,mT,mT,mT", "No;Bx;By;Bz\n-;(mT);(mT);(mT)", "No\tBx\tBy\tBz\n\n\t[mT]\t[mT]\t[mT]"] {
+        let mark = if names.contains(';') {
+            ";"
+        } else if names.contains('\t') {
+            "\t"
+        } else {
+            ","
+        };
+        let rows = "1,0,0,2\n2,0.1,-0.2,2.5\n".replace(',', mark);
+        same(&format!("X-100\n{names}\n{rows}"), "", &[]);
+    }
+    read("Bx,By,Bz\nmm,mm,mm\n0,0,2\n", "", &[]).refuses("line 1: the columns Bx, By, Bz of the flux density have");
     // A row of numbers is no line before the names.
     read("0,0,2\nbx_mt,by_mt,bz_mt\n0,0,2\n", "", &[]).refuses("line 1: has no names of columns");
     read("Gaussmeter\nbx_mt,by_mt\n0,0\n", "", &[])
