@@ -5,24 +5,30 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use magsplice::design::DesignError;
-use magsplice::layout::LayoutError;
+use magsplice::layout::{LayoutError, rearranges_text};
 
 /// Largest number of faults of one kind that are printed; the rest are counted.
 pub(crate) const PRINTED_FAULTS: usize = 20;
 
-/// Prints a message on standard error. A closed standard error is ignored: there is nobody to tell.
-///
-/// A message may cite a path or a file, so control characters are written as escapes: a terminal
-/// would obey them.
+/// Prints a message on standard error.
 pub(crate) fn tell(message: &impl fmt::Display) {
-    let _ = writeln!(io::stderr(), "magsplice: {}", escaped(message));
+    print_escaped(&format_args!("magsplice: {message}\n"));
 }
 
-/// The text with escapes in place of control characters, but for ends of lines and tabs.
+/// Prints a text on standard error: a message, or a summary while the result is on standard output.
+/// A closed standard error is ignored: there is nobody to tell.
+///
+/// A text may cite a path or a file, so characters that a terminal would obey are escaped.
+pub(crate) fn print_escaped(text: &impl fmt::Display) {
+    let _ = io::stderr().write_all(escaped(text).as_bytes());
+}
+
+/// The text with escapes in place of control characters and of marks of direction, but for ends of
+/// lines and tabs.
 pub(crate) fn escaped(message: &impl fmt::Display) -> String {
     let mut text = String::new();
     for c in message.to_string().chars() {
-        if c.is_control() && !matches!(c, '\n' | '\t') {
+        if rearranges_text(c) && !matches!(c, '\n' | '\t') {
             text.extend(c.escape_default());
         } else {
             text.push(c);

@@ -83,9 +83,9 @@ impl ProgressLine {
         *last = Some(stage);
     }
 
-    /// Sets the words before the name of the stage.
-    pub(crate) fn set_prefix(&self, prefix: String) {
-        self.bar.set_prefix(prefix);
+    /// Sets the words before the name of the stage. They may cite a path.
+    pub(crate) fn set_prefix(&self, prefix: &str) {
+        self.bar.set_prefix(failure::escaped(&prefix));
     }
 
     /// Hides the line while `write` writes to the terminal.

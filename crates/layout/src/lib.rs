@@ -110,6 +110,7 @@ pub use finding::{Finding, FindingSubject};
 pub use layout::{Layout, NamedTile, SourceFile};
 pub use limits::{MAX_NAME_BYTES, SAMPLE_COUNTS};
 pub use material::Material;
+pub use names::rearranges_text;
 pub use parts::Part;
 pub use plausible::{
     MAX_LENGTH_RATIO, SHORTEST_WAVELENGTH_MM, STRONGEST_MAGNET_T, STRONGEST_MATERIAL_T, meant_length,

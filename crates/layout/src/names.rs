@@ -10,7 +10,7 @@ pub(crate) fn check_name(key: &str, name: &str, faults: &mut TableFaults) {
     if name.len() > MAX_NAME_BYTES {
         faults.add(format!("{key} = \"{}\" has {} bytes, must have at most {MAX_NAME_BYTES}", shown(name), name.len()));
     }
-    if let Some(forbidden) = name.chars().find(|c| is_forbidden(*c)) {
+    if let Some(forbidden) = name.chars().find(|c| rearranges_text(*c)) {
         faults.add(format!(
             "{key} = \"{}\" has the character U+{:04X}, must have no control characters and line breaks",
             shown(name),
@@ -25,8 +25,9 @@ pub(crate) fn did_you_mean<'n>(unknown: &str, known: impl Iterator<Item = &'n st
     nearest.map_or(String::new(), |(_, name)| format!(" (did you mean \"{}\"?)", shown(name)))
 }
 
-/// Control characters, ends of lines and paragraphs, and marks that reverse the direction of text.
-fn is_forbidden(c: char) -> bool {
+/// Control characters, ends of lines and paragraphs, and marks that reverse the direction of text:
+/// what a terminal obeys, or what makes a line read other than it is.
+pub fn rearranges_text(c: char) -> bool {
     c.is_control() || matches!(c, '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
 
@@ -38,6 +39,6 @@ pub(crate) fn shown(name: &str) -> String {
 
 /// The character, or its escape if it is forbidden in names.
 pub(crate) fn escaped(c: char) -> impl Iterator<Item = char> {
-    let escape = is_forbidden(c).then(|| c.escape_default());
+    let escape = rearranges_text(c).then(|| c.escape_default());
     escape.is_none().then_some(c).into_iter().chain(escape.into_iter().flatten())
 }

@@ -3,7 +3,7 @@
 use std::collections::{HashMap, HashSet};
 
 use glam::DVec3;
-use magsplice_layout::{Layout, MAX_NAME_BYTES, Part, ten_decimals};
+use magsplice_layout::{Layout, MAX_NAME_BYTES, Part, rearranges_text, ten_decimals};
 use magsplice_magnet::MU_0;
 
 use crate::assignment::{CutTile, PlaceGroup};
@@ -163,7 +163,9 @@ impl<'a> MeasuredBox<'a> {
         if self.names.contains(name) {
             return Some(format!("tile \"{shown}\" is already in the box"));
         }
-        name.chars().any(char::is_control).then(|| format!("tile \"{shown}\" has control characters"))
+        name.chars()
+            .any(rearranges_text)
+            .then(|| format!("tile \"{shown}\" has control characters or marks of direction"))
     }
 
     /// The index of the part of a tile.

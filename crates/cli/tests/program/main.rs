@@ -23,6 +23,7 @@ mod formats;
 mod fuzz;
 mod help;
 mod hints;
+mod hostile;
 mod import;
 mod measured_files;
 mod own_files;

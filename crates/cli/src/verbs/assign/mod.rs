@@ -1,6 +1,5 @@
 //! `magsplice assign`: places measured tiles.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -16,7 +15,7 @@ use magsplice_report::{SvgText, placement_plan_figure, plan_page};
 use crate::args::formats::TextOrJson;
 use crate::args::measurement::MeasurementArgs;
 use crate::args::numbers::{seed, whole};
-use crate::failure::Failure;
+use crate::failure::{self, Failure};
 use crate::faults::FaultList;
 use crate::inputs::{measured_tiles, placed_tiles};
 use crate::output::PROGRAM;
@@ -143,7 +142,7 @@ pub(crate) fn run(args: &AssignArgs, quiet: bool) -> Result<(), Failure> {
     if to_file {
         print(&summary)?;
     } else if !quiet {
-        let _ = std::io::stderr().write_all(summary.as_bytes());
+        failure::print_escaped(&summary);
     }
     Ok(())
 }

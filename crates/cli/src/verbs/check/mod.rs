@@ -84,7 +84,7 @@ pub(crate) fn run(args: &CheckArgs, quiet: bool) -> Result<u8, Failure> {
             }
             NamedFile::Layout(path) => {
                 if files.len() > 1 {
-                    progress.set_prefix(format!("{} ({} of {}): ", path.display(), index + 1, files.len()));
+                    progress.set_prefix(&format!("{} ({} of {}): ", path.display(), index + 1, files.len()));
                     progress.show(Stage::uncounted("reading the layout"));
                 }
                 check(path, args.update, quiet, &progress)

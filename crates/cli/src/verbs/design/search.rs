@@ -1,6 +1,5 @@
 //! Shared parts of `design`, `design --front` and `splice`: the search, its progress, its result.
 
-use std::io::Write;
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -99,7 +98,7 @@ pub(crate) fn show(progress: &ProgressLine, stop: &AtomicBool, update: ProgressU
         _ => (stage.name(), ""),
     };
     if let Some(best) = best {
-        progress.set_prefix(format!("best error {best:.3e}, "));
+        progress.set_prefix(&format!("best error {best:.3e}, "));
     }
     progress.show(Stage { name, done, of: (of > 0).then_some(of), unit });
     if stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
@@ -139,7 +138,7 @@ pub(crate) fn finish(
     if to_file {
         print(&summary)?;
     } else if !quiet {
-        let _ = std::io::stderr().write_all(summary.as_bytes());
+        failure::print_escaped(&summary);
     }
     if found.search.interrupted {
         if !quiet {

@@ -1,7 +1,6 @@
 //! `magsplice tolerance sample`: one film as made, and its scan.
 
 use std::fmt::Write as _;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -16,7 +15,7 @@ use crate::args::formats::{TableFormat, TextOrJson};
 use crate::args::numbers::seed;
 use crate::args::points::PointsArgs;
 use crate::args::preset::PresetArgs;
-use crate::failure::Failure;
+use crate::failure::{self, Failure};
 use crate::inputs::points;
 use crate::output::destination::{is_standard, print};
 use crate::output::{PROGRAM, choice, table};
@@ -102,7 +101,7 @@ pub(super) fn run(args: &SampleArgs, quiet: bool) -> Result<(), Failure> {
     if takes_output == [false; 2] {
         print(&result)?;
     } else if !quiet {
-        let _ = std::io::stderr().write_all(result.as_bytes());
+        failure::print_escaped(&result);
     }
     Ok(())
 }

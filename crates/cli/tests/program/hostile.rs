@@ -1,0 +1,40 @@
+//! Files that are made to do harm: the program refuses them in words, or uses them as any other.
+
+use crate::{Sandbox, shipped};
+
+/// Control characters, and marks that reverse the direction of text, as a terminal obeys them.
+const MARKS: &str = "\u{1b}[2J\u{9b}31m\u{7}\u{202e}gnp\u{2066}\u{2069}\u{202a}";
+
+fn is_obeyed(c: char) -> bool {
+    c.is_control() && !"\n\t".contains(c) || matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+}
+
+#[test]
+fn characters_that_a_terminal_obeys_are_escaped_on_standard_error() {
+    let sandbox = Sandbox::new();
+    let film = shipped("published-film");
+    sandbox.write("names.csv", &format!("x_mm,y_mm,z_mm{MARKS},note\n0,0,-4,1\n"));
+    sandbox.write("cells.csv", &format!("x_mm,y_mm,z_mm\n0,{MARKS},-4\n"));
+    sandbox.write("columns.csv", &format!("x_mm,y_mm,z_mm,bx_t,by_t,bz_t,{MARKS}\n0,0,-4,{MARKS},0,1,0\n"));
+    sandbox.write("tiles.csv", &format!("tile,part,strength_t,direction_deg\n{MARKS},1,0.12,45\n"));
+    sandbox.write("keys.toml", &format!("format = 1\nname = \"a\"\n\"{MARKS}\" = 1\n"));
+    sandbox.write("comment.toml", &format!("# {MARKS}\n"));
+    sandbox.write("names.toml", "format = 1\nname = \"\\u001b[2J\\u202e\"\n");
+    sandbox.write(&format!("{MARKS}.toml"), "format = 2\n");
+    let calls: [&[&str]; 8] = [
+        &["field", &film, "--points", "names.csv"],
+        &["field", &film, "--points", "cells.csv"],
+        &["scan", &film, "columns.csv"],
+        &["assign", &film, "--measured", "tiles.csv"],
+        &["tiles", "keys.toml"],
+        &["tiles", "comment.toml"],
+        &["tiles", "names.toml"],
+        &["tiles", &format!("{MARKS}.toml")],
+    ];
+    for call in calls {
+        let said = sandbox.run(call);
+        assert_eq!((said.status, said.stdout.as_str()), (2, ""), "{call:?}: {}", said.stderr);
+        assert!(!said.stderr.contains(is_obeyed), "{call:?}: {:?}", said.stderr);
+        assert!(said.stderr.contains("\\u{202e}"), "{call:?}: {:?}", said.stderr);
+    }
+}
