@@ -92,11 +92,7 @@ impl<'a> DesignProblem<'a> {
             amplitude: brief.least_amplitude,
             amplitude_weights: [volume.grid, finer(&sampling.grid)].map(|grid| sampling.weights_for(&grid)).to_vec(),
         };
-        let mut bounds = DesignBounds::new(&brief, &tiles);
-        if brief.varies(Variable::Position) && !brief.varies(Variable::Size) {
-            // Rounding may move each of two centres nearer by half of the resolution.
-            bounds.gap.least_mm += brief.resolution_mm;
-        }
+        let bounds = DesignBounds::new(&brief, &tiles);
         let errors = match (brief.under, &layout.tolerance) {
             (Under::Nominal, _) => None,
             (Under::Tolerance, None) => return Err(DesignError::Missing(NeededTable::Tolerance)),

@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use magsplice_layout::{Brief, MinMax, Outline, Symmetry, Variable};
+use magsplice_layout::{Brief, MinMax, Outline, Symmetry, Variable, ten_decimals};
 use magsplice_magnet::Tile;
 
 use crate::problem::affine::Affine;
@@ -26,6 +26,9 @@ pub(crate) struct DesignBounds {
     pub(crate) outline_mm: [[f64; 2]; 2],
     pub(crate) smallest_cut_mm: f64,
     pub(crate) gap: Gap,
+    /// Whether the variables of positions are centres of tiles, which the rounding of the film
+    /// moves to multiples of the resolution.
+    pub(crate) rounds_centres: bool,
     pub(crate) thickness_mm: Option<[f64; 2]>,
     pub(crate) strength_t: Option<[f64; 2]>,
 }
@@ -61,6 +64,7 @@ impl DesignBounds {
             outline_mm,
             smallest_cut_mm: brief.smallest_cut_mm.unwrap_or(shortest),
             gap: Gap { least_mm: brief.gap_mm, gap_mm: brief.gap_mm, resolution_mm: brief.resolution_mm },
+            rounds_centres: brief.varies(Variable::Position) && !brief.varies(Variable::Size),
             thickness_mm: bounds(brief.varies(Variable::Thickness), brief.thickness_mm),
             strength_t: bounds(brief.varies(Variable::Strength), brief.strength_t),
         }
@@ -130,14 +134,36 @@ impl DesignBounds {
                 let middle = |image: &PlacedImage| image.ends[axis][0] + image.ends[axis][1];
                 let [before, after] = if middle(first) < middle(other) { [first, other] } else { [other, first] };
                 let between = after.faces[axis][0].minus(&before.faces[axis][1]);
-                let mut rule = at_least(&between, self.gap.least_mm, Demand::Apart(self.gap), first.index);
+                let least_mm = self.least_distance_mm(&between);
+                let demand = Demand::Apart(Gap { least_mm: ten_decimals(least_mm), ..self.gap });
+                let mut rule = at_least(&between, least_mm, demand, first.index);
                 rule.tiles.1 = Some(other.index);
                 rules.push(rule);
             }
         }
         distinct(rules)
     }
+
+    /// The least distance of two tiles, such that rounding keeps the gap. `between` is their
+    /// distance.
+    ///
+    /// Where the distance of two centres is at least a multiple of the resolution, it still is
+    /// after both are rounded: rounding is an odd function that never decreases.
+    fn least_distance_mm(&self, between: &Affine) -> f64 {
+        let Gap { least_mm, resolution_mm, .. } = self.gap;
+        let Some(&(_, first)) = between.terms.first().filter(|_| self.rounds_centres) else { return least_mm };
+        if between.terms.len() > 2 || between.terms.iter().any(|(_, factor)| factor.abs() != first.abs()) {
+            // Rounding moves each of two centres by at most half of the resolution.
+            return least_mm + resolution_mm;
+        }
+        let step = first.abs() * resolution_mm;
+        let steps = (least_mm - between.constant) / step;
+        (steps - ROUND_OFF_OF_STEPS).ceil() * step + between.constant
+    }
 }
+
+/// Round-off of a number of steps: sums of decimal lengths, over the resolution.
+const ROUND_OFF_OF_STEPS: f64 = 1e-6;
 
 /// An image of a tile, with its faces along x and y and the present ends along all axes.
 struct PlacedImage {

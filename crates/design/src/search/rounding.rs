@@ -75,6 +75,7 @@ fn step(problem: &DesignProblem, kind: VariableKind) -> Option<f64> {
 fn exact_rules(problem: &DesignProblem, pattern: &Pattern, variables: &[f64]) -> Vec<LinearRule> {
     let mut least_squares = problem.least_squares.clone();
     least_squares.bounds.gap.least_mm = problem.brief.gap_mm;
+    least_squares.bounds.rounds_centres = false;
     least_squares.rules(pattern, variables).into_iter().filter(|rule| !rule.value.terms.is_empty()).collect()
 }
 

@@ -69,9 +69,12 @@ impl DesignProblem<'_> {
         problem.rounded(&pattern, candidate, stages, agreeing, watch)
     }
 
-    /// Widens the gap by two steps of the resolution: where tiles share sizes, rounding may move
-    /// each of two neighbours nearer by one step.
+    /// Widens the gap by two steps of the resolution: where tiles share sizes that vary, rounding
+    /// may move each of two neighbours nearer by one step.
     pub(crate) fn leave_room_for_rounding(&mut self) {
+        if self.least_squares.bounds.rounds_centres {
+            return;
+        }
         self.least_squares.bounds.gap.least_mm += 2.0 * self.brief.resolution_mm;
     }
 

@@ -113,8 +113,10 @@ fn coarse_resolution_is_named_as_the_cause() {
 
 #[test]
 fn contradictions_explain_the_gap_and_are_counted_after_twenty() {
-    let touching = refused("vary = [\"position\"]");
-    let rule = "must be at least 0.001 mm apart: gap_mm = 0, and resolution_mm = 0.001 for the rounding of positions";
+    // Centres of strips are 2.075 mm apart without a gap. The next multiple of 0.05 mm above
+    // 2.175 mm is 2.2 mm.
+    let touching = refused("vary = [\"position\"]\ngap_mm = 0.1\nresolution_mm = 0.05");
+    let rule = "must be at least 0.125 mm apart: gap_mm = 0.1, and resolution_mm = 0.05 for the rounding of positions";
     assert!(touching.contains(rule), "{touching}");
     let wide = refused("vary = [\"size\", \"position\"]\ngap_mm = 2.0");
     assert_eq!(wide.lines().count(), 22, "{wide}");
@@ -122,6 +124,18 @@ fn contradictions_explain_the_gap_and_are_counted_after_twenty() {
         wide.contains("must be at least 2 mm apart\n") && wide.lines().last().unwrap().starts_with("  and "),
         "{wide}"
     );
+}
+
+/// Centres of touching tiles are apart by a multiple of the resolution, which rounding keeps.
+#[test]
+fn positions_of_touching_tiles_vary_without_a_gap() {
+    for symmetry in ["four-fold", "none"] {
+        let layout = layout(&format!("vary = [\"position\"]\nsymmetry = \"{symmetry}\"\ngap_mm = 0.0\nstarts = 1"));
+        let result = search(&layout);
+        assert_rules(&result, 0.85, 10.0);
+        let [before, after] = [&result.before, &result.after].map(|film| film.figures.uniformity_rmse.r_x.unwrap());
+        assert!(after < 0.8 * before, "{symmetry}: {after}, not below {before}");
+    }
 }
 
 /// With sizes, positions and one angle free.
