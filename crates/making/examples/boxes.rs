@@ -34,7 +34,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let begin = Instant::now();
         let model = TileChanges::new(&RealFilm::new(&tiles, &FilmTolerance::default()), &volume, &ideal)?;
         let problem = AssignmentProblem::new(&model, &tiles, &groups, &[], &settings)?;
-        let found = problem.solve(&settings)?;
+        let found = problem.solve(&settings, || ())?;
         seconds.push(begin.elapsed().as_secs_f64());
         in_order.push(found.in_order_rms_mm);
         sorted.push(found.rms_mm);

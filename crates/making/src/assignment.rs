@@ -65,8 +65,8 @@ pub struct Assignment {
 /// Settings of the search for an assignment.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct AssignmentSettings {
-    /// Number of starts.
-    pub starts: usize,
+    /// Number of starts. `None` for rounds of 16 until four starts agree on the best, at most 256.
+    pub starts: Option<usize>,
     /// Number of times that each start is disturbed and searched anew.
     pub kicks: usize,
     /// Seed of the random numbers.
@@ -77,7 +77,7 @@ pub struct AssignmentSettings {
 
 impl Default for AssignmentSettings {
     fn default() -> AssignmentSettings {
-        AssignmentSettings { starts: 16, kicks: 200, seed: 1, may_turn_over: true }
+        AssignmentSettings { starts: None, kicks: 200, seed: 1, may_turn_over: true }
     }
 }
 

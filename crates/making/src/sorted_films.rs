@@ -92,7 +92,7 @@ impl<'a> SortedSampler<'a> {
             .collect();
         let settings = &self.sorting.settings;
         let problem = AssignmentProblem::new(&self.model, film.tiles(), &measured, &[], settings)?;
-        let found = problem.solve(settings)?;
+        let found = problem.solve(settings, || ())?;
         for placed in &found.placed {
             let tile = &cut[placed.group].tiles[placed.tile];
             placed_tiles[placed.place] = tile.at(&film.tiles()[placed.place], placed.orientation)?;

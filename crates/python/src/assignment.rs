@@ -33,7 +33,7 @@ pub(crate) fn assign<'py>(
     placed: Vec<Placed>,
     shims: Vec<String>,
     may_turn_over: bool,
-    starts: usize,
+    starts: Option<usize>,
     seed: u64,
     errors: Option<(f64, f64, Option<f64>)>,
 ) -> PyResult<(Bound<'py, PyDict>, String)> {

@@ -36,7 +36,8 @@ impl SortingArgs {
             let refused = "measurement errors need --sorted";
             return errors.map_or(Ok(None), |_| Err(Failure::Refused(refused.to_owned())));
         }
-        let settings = AssignmentSettings { starts: STARTS, kicks: KICKS, seed: 1, may_turn_over: !self.keep_side_up };
+        let settings =
+            AssignmentSettings { starts: Some(STARTS), kicks: KICKS, seed: 1, may_turn_over: !self.keep_side_up };
         let measurement: MeasurementErrors = errors.unwrap_or_default();
         Ok(Some(Sorting { spares: self.spares.unwrap_or(0), measurement, settings }))
     }

@@ -79,7 +79,7 @@ impl Film {
         errors: Option<MeasurementErrors>,
     ) -> Result<FilmAssignment, FilmError> {
         let (layout, ideal, volume) = (self.layout(), self.ideal()?, self.evaluation_grid()?);
-        self.tell(Stage::uncounted("assigning tiles"));
+        self.tell(Stage::uncounted("derivatives by tiles"));
         let groups = || partly.groups.iter().map(|group| (group.size_mm, group.places.len())).collect();
         let name = |error: &AssignmentError| match error {
             AssignmentError::NoOrientation { place: index } | AssignmentError::Shim { tile: index } => {
@@ -93,7 +93,7 @@ impl Film {
         let model = TileChanges::new(&film, &volume, ideal).map_err(without_errors)?;
         let ordered_rms_mm = model.exact_rms_mm(&layout.bare_tiles()).map_err(without_errors)?;
         let problem = AssignmentProblem::new(&model, &partly.film, &partly.groups, shims, settings).map_err(failed)?;
-        let found = problem.solve(settings).map_err(failed)?;
+        let found = problem.solve(settings, self.counting("assigning tiles", settings.starts, "starts")).map_err(failed)?;
         let tiles = problem.film(&found.placed, &found.shim_factors).map_err(failed)?;
         let measured_rms_mm = errors
             .map(|errors| problem.rms_of_measured_mm(&found.placed, &found.shim_factors, &errors, settings.seed))

@@ -16,7 +16,7 @@ const BOXES: MeasurementErrors = MeasurementErrors { strength: 0.03, direction_r
 /// Errors of a teslameter and a jig: 0.5 % and 0.3 degrees.
 const MEASUREMENT: MeasurementErrors = MeasurementErrors { strength: 0.005, direction_rad: 0.0052, size_mm: None };
 
-const QUICK: AssignmentSettings = AssignmentSettings { starts: 2, kicks: 30, seed: 1, may_turn_over: true };
+const QUICK: AssignmentSettings = AssignmentSettings { starts: Some(2), kicks: 30, seed: 1, may_turn_over: true };
 
 struct Film {
     layout: Layout,
@@ -60,7 +60,7 @@ fn predicted_errors_are_those_of_samples() {
     let film = Film::shipped("designed-displacement");
     let (tiles, groups) = (film.layout.bare_tiles(), film.parts(5));
     let problem = AssignmentProblem::new(&film.model, &tiles, &groups, &[], &QUICK).unwrap();
-    let found = problem.solve(&QUICK).unwrap();
+    let found = problem.solve(&QUICK, || ()).unwrap();
     let predicted = problem.rms_of_measured_mm(&found.placed, &[], &MEASUREMENT, 1).unwrap();
     let mut random = ChaCha8Rng::seed_from_u64(77);
     let of_truth = |_| {
@@ -92,7 +92,7 @@ fn shims_have_the_best_strengths() {
     }
     let [without, with] = [&[][..], &shims].map(|shims| {
         let problem = AssignmentProblem::new(&film.model, &tiles, &groups, shims, &QUICK).unwrap();
-        let found = problem.solve(&QUICK).unwrap();
+        let found = problem.solve(&QUICK, || ()).unwrap();
         assert_eq!(found.shim_factors.len(), shims.len());
         assert_eq!(problem.rms_mm(&found.placed, &found.shim_factors).unwrap(), found.rms_mm);
         for (shim, step) in (0..shims.len()).flat_map(|shim| [(shim, 1e-3), (shim, -1e-3)]) {

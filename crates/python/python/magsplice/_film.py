@@ -694,7 +694,7 @@ class Film(Sensed):
         placed: Iterable[PlacedTile] = (),
         shims: Iterable[str] = (),
         may_turn_over: bool = True,
-        starts: int = 16,
+        starts: int | None = None,
         seed: int = 1,
         strength_error: float | None = None,
         direction_error_deg: float | None = None,
@@ -715,8 +715,9 @@ class Film(Sensed):
             Places of tiles with adjustable strength.
         may_turn_over : bool
             Whether tiles may be turned over from their orientation as measured.
-        starts : int
-            Number of random starts, from 1 to 10 000.
+        starts : int, optional
+            Number of random starts, from 1 to 10 000. By default 16 at a time, until 4 of them
+            agree on the best assignment, at most 256.
         seed : int
             Seed of the random numbers.
         strength_error, direction_error_deg, size_error_mm : float, optional
@@ -748,7 +749,9 @@ class Film(Sensed):
         >>> found.spares, found.rms_mm <= found.in_order_rms_mm
         (1, True)
         """
-        starts, seed = whole("starts", starts, 1, MOST_STARTS), whole("seed", seed, 0)
+        if starts is not None:
+            starts = whole("starts", starts, 1, MOST_STARTS)
+        seed = whole("seed", seed, 0)
         errors = measurement_errors(strength_error, direction_error_deg, size_error_mm)
         numbers, text = _magsplice.assign(
             self,
@@ -883,7 +886,7 @@ class Film(Sensed):
         Parameters
         ----------
         error_mm : float
-            Largest error of the displacement over the working volume, in millimetres.
+            Largest length of the error of the displacement in the working volume, in millimetres.
 
         Raises
         ------

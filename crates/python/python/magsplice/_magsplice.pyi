@@ -178,7 +178,7 @@ def assign(
     placed: list[tuple[str, str, _Vector | None, str, float]],
     shims: list[str],
     may_turn_over: bool,
-    starts: int,
+    starts: int | None,
     seed: int,
     errors: tuple[float, float, float | None] | None,
 ) -> tuple[_Result, str]: ...

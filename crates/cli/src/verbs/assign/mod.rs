@@ -63,9 +63,9 @@ pub(crate) struct AssignArgs {
     /// Turn no tile over: the side that was up when it was measured stays up
     #[arg(long)]
     keep_side_up: bool,
-    /// Number of random starts
-    #[arg(long, value_name = "N", default_value = "16", value_parser = |text: &str| whole(text, 1..=MAX_STARTS))]
-    starts: usize,
+    /// Number of random starts [default: 16 at a time until 4 agree on the best, at most 256]
+    #[arg(long, value_name = "N", value_parser = |text: &str| whole(text, 1..=MAX_STARTS))]
+    starts: Option<usize>,
     /// Seed of the random numbers
     #[arg(long, value_name = "SEED", default_value = "1", value_parser = seed)]
     seed: u64,
