@@ -36,7 +36,7 @@ pub(crate) struct Region {
 pub(crate) enum Ending {
     /// The field at the position equals the reading. Includes the gradient of the field there.
     Found { position: DVec3, gradient: DMat3 },
-    /// The search left the region, or ended where the field differs from the reading.
+    /// The search ended where the field differs from the reading.
     Lost,
 }
 
@@ -107,13 +107,14 @@ impl Descent {
             self.step *= 0.5;
         }
         let (from, ..) = self.best?;
+        // A step out of the region ends on its surface, from which later steps lead back.
+        self.candidate = (from + self.step).clamp(region.lower, region.upper);
+        self.step = self.candidate - from;
         if self.step.length() <= SHORTEST_STEP * region.diagonal {
             // The last step needs no evaluation, because the field is linear over it.
             return Some(self.ending(region));
         }
-        self.candidate = from + self.step;
-        let is_within = self.candidate.cmpge(region.lower).all() && self.candidate.cmple(region.upper).all();
-        (!is_within).then_some(Ending::Lost)
+        None
     }
 
     fn ending(&self, region: &Region) -> Ending {

@@ -1,5 +1,7 @@
 //! Positions from readings.
 
+use std::sync::OnceLock;
+
 use glam::{DMat3, DVec3};
 use magsplice_magnet::{Grid, PointErrors};
 use rayon::prelude::*;
@@ -23,6 +25,11 @@ const ON_SURFACE: f64 = 1e-9;
 /// 1e-16 of the diagonal from each other, unless the gradient nearly vanishes.
 const APART: f64 = 1e-6;
 
+/// Steps along an axis of the enlarged grid: enough for a direction along which the volume has no
+/// extent, and few enough for any volume.
+const LEAST_STEPS: usize = 4;
+const MOST_STEPS: usize = 40;
+
 /// Number of readings processed at a time, which bounds the memory.
 const BATCH: usize = 1 << 14;
 
@@ -36,6 +43,9 @@ pub struct Locator<'a> {
     /// Part of every reading that does not come from the film.
     constant_t: DVec3,
     region: Region,
+    /// The grid of the volume enlarged by the reach of the search, and the readings at its points.
+    /// Evaluated when a reading has no position near the volume.
+    enlarged: OnceLock<(Grid, Vec<DVec3>)>,
 }
 
 /// The position of a reading.
@@ -96,7 +106,7 @@ impl<'a> Locator<'a> {
         let diagonal = (upper - lower).length();
         let reach = REACH * (upper - lower).max(DVec3::splat(LEAST_EXTENT * diagonal));
         let region = Region { lower: lower - reach, upper: upper + reach, diagonal };
-        Ok(Locator { field, grid, readings_t, constant_t: DVec3::ZERO, region })
+        Ok(Locator { field, grid, readings_t, constant_t: DVec3::ZERO, region, enlarged: OnceLock::new() })
     }
 
     /// Sets a constant part of all readings in addition to the field of the tiles: a stray field,
@@ -114,9 +124,10 @@ impl<'a> Locator<'a> {
     /// the sensor.
     ///
     /// Gauss-Newton steps begin at every point of the grid whose field is nearer to the reading
-    /// than the fields at its neighbours. They use the exact field and its gradient. The error of
-    /// positions is the error of the field, 2e-14 of the sum over tiles, over its gradient. Results
-    /// do not depend on the other readings or on the number of threads.
+    /// than the fields at its neighbours. If they find no position, they begin anew on a grid that
+    /// is enlarged by half the extent of the volume on each side. They use the exact field and its
+    /// gradient. The error of positions is the error of the field, 2e-14 of the sum over tiles,
+    /// over its gradient. Results do not depend on the other readings or on the number of threads.
     ///
     /// Uniqueness of the position in the volume is not proved: it holds as far as the grid resolves
     /// the field.
@@ -125,6 +136,42 @@ impl<'a> Locator<'a> {
     }
 
     fn locate_batch(&self, readings_t: &[DVec3]) -> Vec<Result<Located, LocateError>> {
+        let mut found = self.search(readings_t, &self.grid, &self.readings_t, false);
+        let lost: Vec<usize> = (0..found.len()).filter(|&of| found[of] == Err(LocateError::NoPosition)).collect();
+        if !lost.is_empty() {
+            let (grid, at_grid_t) = self.enlarged.get_or_init(|| self.enlarged());
+            let readings_t: Vec<DVec3> = lost.iter().map(|of| readings_t[*of]).collect();
+            for (of, again) in lost.into_iter().zip(self.search(&readings_t, grid, at_grid_t, true)) {
+                found[of] = again;
+            }
+        }
+        found
+    }
+
+    /// The grid of the region, about as fine as the grid of the volume, and the readings at its
+    /// points; NaN on edges of tiles.
+    fn enlarged(&self) -> (Grid, Vec<DVec3>) {
+        let Region { lower, upper, .. } = self.region;
+        let extent = self.grid.upper() - self.grid.lower();
+        let counts = [0, 1, 2].map(|axis| {
+            let step = extent[axis] / (self.grid.counts()[axis] - 1).max(1) as f64;
+            let steps = if step > 0.0 { ((upper - lower)[axis] / step).ceil() } else { 0.0 };
+            (steps as usize).clamp(LEAST_STEPS, MOST_STEPS) + 1
+        });
+        let grid = Grid::new(lower, upper, counts).expect("a region around a grid");
+        let (readings_t, _) = self.field.readings_and_gradients(&grid.points().collect::<Vec<DVec3>>());
+        (grid, readings_t)
+    }
+
+    /// The position of each reading, by searches from points of a grid with these readings. A
+    /// `thorough` search has more starts.
+    fn search(
+        &self,
+        readings_t: &[DVec3],
+        grid: &Grid,
+        at_grid_t: &[DVec3],
+        thorough: bool,
+    ) -> Vec<Result<Located, LocateError>> {
         let starts: Vec<Result<Vec<DVec3>, LocateError>> = readings_t
             .par_iter()
             .map(|reading| {
@@ -134,7 +181,7 @@ impl<'a> Locator<'a> {
                 if self.field.sensor().is_saturated(*reading) {
                     return Err(LocateError::Saturated);
                 }
-                Ok(starts(&self.grid, &self.readings_t, *reading - self.constant_t))
+                Ok(starts(grid, at_grid_t, *reading - self.constant_t, thorough))
             })
             .collect();
         let searches: Vec<(DVec3, DVec3)> = readings_t

@@ -8,17 +8,27 @@ use magsplice_magnet::Grid;
 /// ambiguous after two of them.
 const MOST_STARTS: usize = 8;
 
+/// Number of further starting points of a thorough search, the nearest to the reading. In narrow
+/// valleys between points none of them is lower than its neighbours.
+const NEAREST: usize = 24;
+
 /// The points of a grid whose field is nearest to the reading among their neighbours, nearest
-/// first.
+/// first; in a `thorough` search also the nearest of all others. A point without a field, which is
+/// NaN, is none of them.
 ///
 /// The squared difference of the field and the reading has a minimum at each position with this
 /// reading. On a grid on which the field is nearly linear from point to point, one of the points
 /// around the position is lower than its neighbours.
-pub(crate) fn starts(grid: &Grid, field_t: &[DVec3], reading_t: DVec3) -> Vec<DVec3> {
-    let distance: Vec<f64> = field_t.iter().map(|field| (*field - reading_t).length_squared()).collect();
+pub(crate) fn starts(grid: &Grid, field_t: &[DVec3], reading_t: DVec3, thorough: bool) -> Vec<DVec3> {
+    let distance_to =
+        |field: &DVec3| if field.is_finite() { (*field - reading_t).length_squared() } else { f64::INFINITY };
+    let distance: Vec<f64> = field_t.iter().map(distance_to).collect();
     let counts = grid.counts();
     let strides = [counts[1] * counts[2], counts[2], 1];
+    let nearer = |a: &usize, b: &usize| distance[*a].total_cmp(&distance[*b]);
+    let is_field = |index: &usize| distance[*index] < f64::INFINITY;
     let mut lowest: Vec<usize> = (0..distance.len())
+        .filter(is_field)
         .filter(|&index| {
             let at = grid.indices(index);
             // Neighbours along the axes. A point as low as its neighbour counts.
@@ -29,7 +39,17 @@ pub(crate) fn starts(grid: &Grid, field_t: &[DVec3], reading_t: DVec3) -> Vec<DV
             })
         })
         .collect();
-    lowest.sort_by(|a, b| distance[*a].total_cmp(&distance[*b]));
+    lowest.sort_by(nearer);
     lowest.truncate(MOST_STARTS);
+    if thorough {
+        let mut others: Vec<usize> = (0..distance.len()).filter(is_field).filter(|of| !lowest.contains(of)).collect();
+        let count = NEAREST.min(others.len());
+        if count < others.len() {
+            others.select_nth_unstable_by(count, nearer);
+        }
+        others.truncate(count);
+        others.sort_by(nearer);
+        lowest.extend(others);
+    }
     lowest.into_iter().map(|index| grid.point(index)).collect()
 }

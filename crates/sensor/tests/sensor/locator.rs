@@ -78,6 +78,37 @@ fn noise_moves_positions_as_far_as_the_bound_says() {
     }
 }
 
+/// A position farther outside than half the extent of the volume is not searched for; every nearer
+/// one is found, or another one with the same reading.
+#[test]
+fn every_position_within_half_the_extent_of_the_volume_is_found() {
+    for name in ["published-film", "designed-displacement", "robust-tilted"] {
+        let (scene, grid, _) = shipped(name);
+        let locator = Locator::new(&scene, grid).unwrap();
+        let reach = 0.5 * (grid.upper() - grid.lower());
+        let around = Grid::new(grid.lower() - reach, grid.upper() + reach, [2; 3]).unwrap();
+        let points = points_within(&around, 1500, &mut ChaCha8Rng::seed_from_u64(5));
+        let readings = scene.field_at(Quantity::FluxDensity, &points).unwrap();
+        let mut missed = 0;
+        for ((point, reading), found) in points.iter().zip(&readings).zip(locator.locate(&readings)) {
+            let positions = match found {
+                Ok(located) | Err(LocateError::Outside(located)) => vec![located.position],
+                Err(LocateError::Ambiguous(both)) => both.to_vec(),
+                Err(error) => {
+                    println!("{name}, {point}: {error}");
+                    missed += 1;
+                    continue;
+                }
+            };
+            for position in positions {
+                let there = scene.field(Quantity::FluxDensity, position).unwrap();
+                assert!((there - *reading).length() < 1e-9 * reading.length(), "{name}, {point}: {position}");
+            }
+        }
+        assert_eq!(missed, 0, "{name}");
+    }
+}
+
 #[test]
 fn readings_that_fit_elsewhere_twice_or_nowhere_say_so() {
     let (scene, grid, _) = shipped("published-film");
