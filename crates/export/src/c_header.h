@@ -5,8 +5,9 @@
  * Written by magsplice {version}.
  *
  * A polynomial of degree {degree} of the decoupling parameters R_x, R_y and S_z (Dai et al.,
- * Magnetochemistry 2024, 10(1), 6, Eq. 15). Its largest error is {error} mm at {checked} points of the
- * working volume, x {x}, y {y}, z {z} mm. Arithmetic in float adds to it. */
+ * Magnetochemistry 2024, 10(1), 6, Eq. 15). The length of its error is at most {error} mm in the working
+ * volume, x {x}, y {y}, z {z} mm: measured at {checked} points, with a margin
+ * for what is between them and for arithmetic in float. */
 #ifndef MAGSPLICE_DISPLACEMENT_H
 #define MAGSPLICE_DISPLACEMENT_H
 

@@ -32,8 +32,8 @@ pub(crate) struct ExportArgs {
     /// Program to write for [default: by the file's ending]
     #[arg(long, value_enum, required_unless_present = "output")]
     to: Option<ExportFormat>,
-    /// For --to c-header: largest error of the displacement over the working volume [default:
-    /// 0.005mm]
+    /// For --to c-header: largest length of the error of the displacement in the working volume
+    /// [default: 0.005mm]
     #[arg(long, value_name = "LENGTH", value_parser = error_mm)]
     error: Option<f64>,
     /// File to write, complete or not at all [default: -, standard output]

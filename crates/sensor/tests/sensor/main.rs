@@ -2,4 +2,5 @@
 
 mod experiment;
 mod locator;
+mod polynomial;
 mod sensed_field;
