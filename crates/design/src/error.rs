@@ -5,6 +5,7 @@ use std::fmt;
 use glam::DVec3;
 use magsplice_decouple::DecouplingError;
 use magsplice_ideal::ComparisonError;
+use magsplice_layout::MemoryError;
 use magsplice_recoil::RecoilError;
 use magsplice_tolerance::SampleError;
 use thiserror::Error;
@@ -40,6 +41,9 @@ pub enum DesignError {
     /// The layout lacks this table.
     #[error("{0}")]
     Missing(NeededTable),
+    /// There is not enough memory.
+    #[error("{0}")]
+    Memory(#[source] MemoryError),
     /// Some tiles have no image under the symmetry of the brief.
     #[error(
         "{}tiles without an image under the symmetry of [design]: {}; add the images (polarizations are mirrored like \

@@ -5,9 +5,6 @@ use magsplice_pair::{Load, NotConverged, load_in_f64, pair_loads};
 use rayon::prelude::*;
 use thiserror::Error;
 
-/// Largest number of tiles; their pairs take 800 MB.
-const MOST_TILES: usize = 4_000;
-
 /// Distance of two tiles, in sums of half their diagonals, from which on mean polarizations replace
 /// their cells. In twelve tiles of a designed film with a permeability of 1.2 this changes the
 /// force of each pair by at most 1.3e-4 of the largest force on a tile.
@@ -46,6 +43,9 @@ pub enum FilmForcesError {
 }
 
 impl FilmForces {
+    /// Largest number of tiles; their pairs take 800 MB, twice while they are sorted.
+    pub const MOST_TILES: usize = 4_000;
+
     /// The loads of all pairs. `tolerance` is the tolerance of [`pair_loads`] for tiles turned
     /// against each other. `progress` is called, from any thread, when the pairs of a tile with
     /// later tiles begin. A panic of `progress` ends the work and reaches the caller.
@@ -109,8 +109,8 @@ impl FilmForces {
         progress: impl Fn() + Sync,
         loads_of: impl Fn(usize, usize) -> Result<[Load; 2], NotConverged> + Sync,
     ) -> Result<FilmForces, FilmForcesError> {
-        if count > MOST_TILES {
-            return Err(FilmForcesError::TooManyTiles { count, most: MOST_TILES });
+        if count > FilmForces::MOST_TILES {
+            return Err(FilmForcesError::TooManyTiles { count, most: FilmForces::MOST_TILES });
         }
         let of_first = |first: usize| {
             progress();

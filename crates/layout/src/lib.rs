@@ -68,6 +68,8 @@ mod limits;
 mod made_tiles;
 /// `[material]`: the material of the tiles.
 mod material;
+/// Memory that work takes, asked for before it is taken.
+mod memory;
 /// Rules for names.
 mod names;
 /// One number for all axes, or three.
@@ -108,8 +110,9 @@ pub use file::schema::schema;
 pub use file::text::is_layout;
 pub use finding::{Finding, FindingSubject};
 pub use layout::{Layout, NamedTile, SourceFile};
-pub use limits::{MAX_NAME_BYTES, SAMPLE_COUNTS};
+pub use limits::{BYTES_PER_POINT, MAX_NAME_BYTES, SAMPLE_COUNTS};
 pub use material::Material;
+pub use memory::{MemoryError, check_memory};
 pub use names::rearranges_text;
 pub use parts::Part;
 pub use plausible::{

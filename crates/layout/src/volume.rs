@@ -116,7 +116,7 @@ impl VolumeTable {
                  use a step of at least {} mm along each axis{}",
                 self.step_mm,
                 points * BYTES_PER_POINT * 1e-9,
-                least_step(end - lower),
+                least_step(end - lower, MAX_POINTS),
                 meant_step(steps, end - lower).map_or(String::new(), |meant| format!("; {meant}"))
             ));
         }
@@ -169,13 +169,13 @@ fn check_range(key: &str, [low, high]: [f64; 2], faults: &mut TableFaults) {
 /// Ratio of the steps tried as the smallest. The ends of at most 400 steps are that near.
 const FINER: f64 = 1.05;
 
-/// The smallest step, rounded up to two digits, with which a region of these extents has at most
-/// [`MAX_POINTS`] points. One extent at least is above 0.
-fn least_step(extents: DVec3) -> f64 {
+/// The smallest step, rounded up to two digits, with which a region of these extents has at most so
+/// many points. One extent at least is above 0.
+pub(crate) fn least_step(extents: DVec3, most_points: f64) -> f64 {
     // By ratios, because products of extents may be too small for a number.
     let points = |step: f64| (extents / step + 1.0).element_product();
     let mut step = extents.max_element();
-    while points(step / FINER) <= MAX_POINTS {
+    while points(step / FINER) <= most_points {
         step /= FINER;
     }
     let digit = 10_f64.powf(step.log10().floor() - 1.0);

@@ -7,7 +7,7 @@ use std::sync::{Arc, OnceLock};
 use glam::DVec3;
 use magsplice_field::Scene;
 use magsplice_ideal::IdealFilm;
-use magsplice_layout::{Layout, WorkingVolume};
+use magsplice_layout::{BYTES_PER_POINT, Layout, WorkingVolume};
 use magsplice_magnet::{Accuracy, Grid, PointError, PointErrorCause, PointErrors, Quantity};
 use magsplice_sensor::SensedField;
 use magsplice_tolerance::{EvaluationGrid, RealFilm, Weakening};
@@ -160,6 +160,16 @@ impl Film {
         self.layout.volume.as_ref().ok_or(FilmError::Missing("volume"))
     }
 
+    /// The working volume, for work that takes so many bytes for each of its points.
+    ///
+    /// # Errors
+    /// If the layout has none, or [`FilmError::Memory`].
+    pub fn volume_for(&self, bytes_per_point: f64) -> Result<&WorkingVolume, FilmError> {
+        let volume = self.volume()?;
+        volume.check_memory(bytes_per_point).map_err(FilmError::Memory)?;
+        Ok(volume)
+    }
+
     /// The ideal film of the layout.
     ///
     /// # Errors
@@ -206,12 +216,13 @@ impl Film {
         }
     }
 
-    /// The points of the working volume and the reference point.
+    /// The points of the working volume and the reference point, for work that takes so many bytes
+    /// for each point.
     ///
     /// # Errors
-    /// If the layout has no working volume.
-    pub fn evaluation_grid(&self) -> Result<EvaluationGrid, FilmError> {
-        let volume = self.volume()?;
+    /// As [`Film::volume_for`].
+    pub fn evaluation_grid(&self, bytes_per_point: f64) -> Result<EvaluationGrid, FilmError> {
+        let volume = self.volume_for(bytes_per_point)?;
         Ok(EvaluationGrid { grid: volume.grid, reference: volume.reference_mm })
     }
 
@@ -219,15 +230,15 @@ impl Film {
     /// computed once.
     ///
     /// # Errors
-    /// [`FilmError::Missing`] if the layout has no working volume; [`FilmError::Points`] if the
-    /// field does not exist at some of its points.
+    /// [`FilmError::Missing`] if the layout has no working volume; [`FilmError::Memory`] if it has
+    /// too many points; [`FilmError::Points`] if the field does not exist at some of them.
     pub fn volume_field_t(&self) -> Result<&[DVec3], FilmError> {
         let known = self.volume_field_t.get_or_init(|| self.field_of_volume_t());
         known.as_deref().map_err(Clone::clone)
     }
 
     fn field_of_volume_t(&self) -> Result<Vec<DVec3>, FilmError> {
-        let grid = &self.volume()?.grid;
+        let grid = &self.volume_for(BYTES_PER_POINT)?.grid;
         let mut field = vec![DVec3::ZERO; grid.len()];
         let evaluated = self.with_counted_points(grid.len(), |progress| {
             self.scene.field_on_grid_with_progress(Quantity::FluxDensity, grid, &mut field, progress)

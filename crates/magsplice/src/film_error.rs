@@ -5,7 +5,7 @@ use magsplice_decouple::{DecouplingError, Parameter};
 use magsplice_expect::PointsMismatch;
 use magsplice_force::{FilmForcesError, OrderError};
 use magsplice_ideal::ComparisonError;
-use magsplice_layout::Layout;
+use magsplice_layout::{Layout, MemoryError};
 use magsplice_magnet::{Axis, PointErrors};
 use magsplice_making::{AssignmentError, ShortGroup};
 use magsplice_recoil::tolerances::{MAX_CELLS, MOST_PERMEABILITY_OF_TREE};
@@ -24,6 +24,9 @@ pub enum FilmError {
     /// The layout lacks this table, which the evaluation needs.
     #[error("the layout has no [{0}] table, which this needs: add one")]
     Missing(&'static str),
+    /// There is not enough memory.
+    #[error("{0}")]
+    Memory(#[source] MemoryError),
     /// The field does not exist at some points.
     #[error("{0}")]
     Points(#[source] PointErrors),

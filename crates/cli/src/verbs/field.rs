@@ -99,6 +99,10 @@ pub(crate) fn run(args: &FieldArgs, quiet: bool) -> Result<(), Failure> {
     }
 }
 
+/// Bytes for each point of a result that is not written point by point: its point, its field, and
+/// the table; up to nine numbers of a gradient twice.
+const HELD_BYTES: f64 = 168.0;
+
 /// A working volume that is missing.
 const OF_FIELD: &str = " to take points from: add one, or give --points or --at";
 
@@ -137,8 +141,13 @@ fn at_points(args: &FieldArgs, session: &Session, film: &Film, path: &Path) -> R
 }
 
 fn on_grid(args: &FieldArgs, session: &Session, film: &Film) -> Result<(), Failure> {
-    let grid = session.volume(OF_FIELD)?.grid;
+    let volume = session.volume(OF_FIELD)?;
+    let grid = volume.grid;
     let mut writer = FieldWriter::open(args, film, Points::Grid(grid))?;
+    let is_within = matches!(film.scene().accuracy(), Accuracy::Within(_));
+    if is_within || writer.format != TableFormat::Csv {
+        volume.check_memory(HELD_BYTES).map_err(|error| Failure::at(&args.layout, error))?;
+    }
     let fault = |error: &PointError, cause: &str| {
         let p = error.point;
         (0, format!("point {} mm of the working volume: {cause}", point(p)))

@@ -38,3 +38,52 @@ fn characters_that_a_terminal_obeys_are_escaped_on_standard_error() {
         assert!(said.stderr.contains("\\u{202e}"), "{call:?}: {:?}", said.stderr);
     }
 }
+
+/// A volume with 1e8 points, in a process that may take half a gigabyte. Without a check, the
+/// process is aborted when it allocates more.
+#[cfg(target_os = "linux")]
+#[test]
+fn volumes_that_do_not_fit_into_memory_are_refused_by_every_verb() {
+    let sandbox = Sandbox::new();
+    let film = sandbox.published_with("[tolerance]\npreset = \"workshop\"\n[sensor]\npart = \"MLX90393\"");
+    let text = sandbox.read(&film).replace("step_mm = 0.5", "step_mm = 0.01");
+    sandbox.write(&film, &text);
+    sandbox.write("tiles.csv", "tile,part,strength_t,direction_deg\na,1,0.12,45\n");
+    sandbox.write("readings.csv", "bx_t,by_t,bz_t\n0.001,0.001,0.001\n");
+    let before = sandbox.files();
+    let calls = [
+        "compare",
+        "decouple",
+        "resolution",
+        "resolution -o out.npz",
+        "experiment",
+        "read readings.csv",
+        "budget",
+        "tolerance",
+        "tolerance sample -o made.toml",
+        "design -o out.toml",
+        "field -o out.npz",
+        "field --within 1e-6 -o out.csv",
+        "report",
+    ];
+    for call in calls {
+        let (verb, options) = call.split_once(' ').unwrap_or((call, ""));
+        let (verb, options) = match options.strip_prefix("sample ") {
+            Some(options) => ("tolerance sample", options),
+            None => (verb, options),
+        };
+        let program = env!("CARGO_BIN_EXE_magsplice");
+        let line = format!("ulimit -v 500000; exec {program} --threads 2 {verb} {film} {options}");
+        let said = std::process::Command::new("sh")
+            .args(["-c", &line])
+            .current_dir(sandbox.path("."))
+            .output()
+            .expect("a shell");
+        let stderr = String::from_utf8_lossy(&said.stderr);
+        assert_eq!((said.status.code(), said.stdout.len()), (Some(2), 0), "{call}: {stderr}");
+        let words =
+            ["[volume] has 32321001 points, for which this takes ", " GB can be had: use a step_mm of at least 0."];
+        assert!(words.iter().all(|words| stderr.contains(words)), "{call}: {stderr}");
+        assert_eq!(sandbox.files(), before, "{call}");
+    }
+}

@@ -2,7 +2,7 @@
 
 use magsplice_ideal::IdealFilm;
 
-use magsplice_layout::{Brief, Goal, Layout, Symmetry, Under, Variable, WorkingVolume};
+use magsplice_layout::{Brief, Goal, Layout, MemoryError, Symmetry, Under, Variable, WorkingVolume, check_memory};
 use magsplice_magnet::{BoundingBox, Grid, Tile};
 
 use crate::error::{DesignError, NeededTable};
@@ -81,6 +81,8 @@ impl<'a> DesignProblem<'a> {
         if pattern.kinds.is_empty() {
             return Err(DesignError::NothingFree);
         }
+        check_free_memory(&pattern, &design_grid(&volume, brief.step_mm)).map_err(DesignError::Memory)?;
+        volume.check_memory(BYTES_PER_POINT).map_err(DesignError::Memory)?;
         let sampling = Sampling::new(design_grid(&volume, brief.step_mm), volume.reference_mm, brief.symmetry);
         let below = |p: &glam::DVec3| ideal.flux_density_t(*p).ok_or(DesignError::NotBelow(*p));
         let ideal_field_t = sampling.computed().iter().map(below).collect::<Result<_, _>>()?;
@@ -153,6 +155,22 @@ impl<'a> DesignProblem<'a> {
         };
         DesignError::Contradiction(rules.into_iter().map(named).collect())
     }
+}
+
+/// Bytes of the metrics of a film for each point of the volume. Measured: 163.
+const BYTES_PER_POINT: f64 = 164.0;
+
+/// Checks the memory of the derivatives at the points of the design grid, for each start that runs
+/// at once, and of the curvature.
+fn check_free_memory(pattern: &Pattern, grid: &Grid) -> Result<(), MemoryError> {
+    let (free, points) = (pattern.kinds.len(), grid.len());
+    let vectors = (3 * size_of::<f64>()) as f64;
+    let of_start = vectors * free as f64 * (2 * points + free) as f64;
+    check_memory(
+        of_start * rayon::current_num_threads() as f64,
+        || format!("[design] has {free} free parameters at {points} points of its grid"),
+        |_| "let fewer properties of fewer tiles vary, or use a larger step_mm in [design]".to_owned(),
+    )
 }
 
 /// Refinement of the grid on which a design is confirmed.

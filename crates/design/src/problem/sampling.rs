@@ -43,6 +43,7 @@ impl Sampling {
         let unit = SAME_COORDINATE * grid.lower().abs().max(grid.upper().abs()).max_element().max(f64::MIN_POSITIVE);
         let key = |p: DVec3| (p / unit).round().to_array().map(|c| c as i64);
         let mut computed: Vec<DVec3> = Vec::new();
+        let mut indices: HashMap<[i64; 3], usize> = HashMap::new();
         let mut known: HashMap<[i64; 3], (usize, SymmetryOperation)> = HashMap::new();
         let images = grid
             .points()
@@ -50,10 +51,11 @@ impl Sampling {
                 *known.entry(key(point)).or_insert_with(|| {
                     let found = operations.iter().find_map(|operation| {
                         let image = operation.inverse().apply(point);
-                        computed.iter().position(|c| key(*c) == key(image)).map(|index| (index, *operation))
+                        indices.get(&key(image)).map(|index| (*index, *operation))
                     });
                     found.unwrap_or_else(|| {
                         computed.push(point);
+                        indices.insert(key(point), computed.len() - 1);
                         (computed.len() - 1, SymmetryOperation::IDENTITY)
                     })
                 })

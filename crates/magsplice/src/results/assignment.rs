@@ -16,6 +16,16 @@ use crate::stage::Stage;
 /// What the name of a layout with measured tiles ends with.
 const ASSIGNED: &str = ", assigned";
 
+/// Bytes for each point of the volume: points, fields and displacement errors.
+const BYTES_PER_POINT: f64 = 128.0;
+
+/// Bytes of the derivatives by J and sides of a tile for each point, and of their basis. Measured
+/// with four tiles and two threads: 1269 in all.
+const BYTES_PER_TILE: f64 = 2.0 * 6.0 * 24.0;
+
+/// Bytes of the response of a tile for each point.
+const BYTES_PER_THREAD: f64 = 296.0;
+
 /// Starts whose end counts as the best one: within a tenth of it.
 const NEAR_BEST: f64 = 1.1;
 
@@ -78,7 +88,11 @@ impl Film {
         settings: &AssignmentSettings,
         errors: Option<MeasurementErrors>,
     ) -> Result<FilmAssignment, FilmError> {
-        let (layout, ideal, volume) = (self.layout(), self.ideal()?, self.evaluation_grid()?);
+        let (layout, ideal) = (self.layout(), self.ideal()?);
+        let bytes_per_point = BYTES_PER_POINT
+            + BYTES_PER_TILE * layout.tiles.len() as f64
+            + BYTES_PER_THREAD * rayon::current_num_threads() as f64;
+        let volume = self.evaluation_grid(bytes_per_point)?;
         self.tell(Stage::uncounted("derivatives by tiles"));
         let groups = || partly.groups.iter().map(|group| (group.size_mm, group.places.len())).collect();
         let name = |error: &AssignmentError| match error {
@@ -93,7 +107,8 @@ impl Film {
         let model = TileChanges::new(&film, &volume, ideal).map_err(without_errors)?;
         let ordered_rms_mm = model.exact_rms_mm(&layout.bare_tiles()).map_err(without_errors)?;
         let problem = AssignmentProblem::new(&model, &partly.film, &partly.groups, shims, settings).map_err(failed)?;
-        let found = problem.solve(settings, self.counting("assigning tiles", settings.starts, "starts")).map_err(failed)?;
+        let found =
+            problem.solve(settings, self.counting("assigning tiles", settings.starts, "starts")).map_err(failed)?;
         let tiles = problem.film(&found.placed, &found.shim_factors).map_err(failed)?;
         let measured_rms_mm = errors
             .map(|errors| problem.rms_of_measured_mm(&found.placed, &found.shim_factors, &errors, settings.seed))

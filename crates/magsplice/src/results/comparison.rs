@@ -44,8 +44,10 @@ impl Film {
     }
 
     pub(crate) fn volume_comparison(&self) -> Result<Comparison, FilmError> {
+        // The field first: it asks for memory for the points too.
+        let field_t = self.volume_field_t()?;
         let points: Vec<DVec3> = self.volume()?.grid.points().collect();
-        self.comparison_of(&points, self.volume_field_t()?)
+        self.comparison_of(&points, field_t)
     }
 
     /// The comparison of the field that the film has at points.

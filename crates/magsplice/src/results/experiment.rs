@@ -7,7 +7,7 @@ use magsplice_magnet::{Deformation, DeformationError, Tile};
 use magsplice_sensor::{ExperimentSettings, ExperimentStep, SensedField, displacements, experiment};
 use serde::Serialize;
 
-use super::readings::locator;
+use super::readings::{LOCATOR_BYTES_PER_POINT, locator};
 use super::source::Source;
 use super::table::{ColumnQuantity, Rows, Table};
 use crate::film::Film;
@@ -56,7 +56,7 @@ impl Film {
         seed: Option<u64>,
         real: Option<&Scene>,
     ) -> Result<FilmExperiments, FilmError> {
-        let volume = self.volume()?;
+        let volume = self.volume_for(LOCATOR_BYTES_PER_POINT)?;
         let (grid, reference) = (volume.grid, volume.reference_mm);
         let most = (grid.upper() - grid.lower()) / step_mm;
         if !(step_mm.cmpgt(DVec3::ZERO).all() && most.cmple(DVec3::splat(MOST_STEPS)).all()) {

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use magsplice_force::{FilmForces, FilmForcesError, LeastHolding, Load, OrderSettings, PlacementOrder};
+use magsplice_layout::check_memory;
 use magsplice_recoil::{Magnetization, RefinementError};
 use serde::Serialize;
 
@@ -119,6 +120,9 @@ pub enum OrderChoice {
     },
 }
 
+/// Bytes of the loads of a pair of tiles: two vectors, twice while they are sorted.
+const BYTES_PER_PAIR: f64 = 96.0;
+
 impl Film {
     /// The loads of the tiles on each other, and while they are placed if there is an order.
     /// `turned_error` is the largest relative error of the force of two tiles that are turned
@@ -148,6 +152,10 @@ impl Film {
     fn pair_forces(&self, turned_error: f64) -> Result<(FilmForces, Option<ForceChange>), FilmError> {
         let layout = self.layout();
         let tiles = layout.bare_tiles();
+        let pairs = tiles.len().min(FilmForces::MOST_TILES) as f64;
+        let cause = || format!("the layout has {} tiles, and each acts on all others", tiles.len());
+        check_memory(BYTES_PER_PAIR * pairs * pairs, cause, |_| "take fewer tiles".to_owned())
+            .map_err(FilmError::Memory)?;
         let passes = if layout.has_recoil() { 1 + RECOIL_LEVELS.len() } else { 1 };
         let counted = self.counting("forces", Some(passes * tiles.len()), "tiles");
         let failed = |error: FilmForcesError| FilmError::from_forces(error, layout);

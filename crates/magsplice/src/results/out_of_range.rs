@@ -7,6 +7,9 @@ use serde::Serialize;
 use crate::film::Film;
 use crate::film_error::FilmError;
 
+/// Bytes for each point: the point and its reading, each twice while they are evaluated.
+const BYTES_PER_POINT: f64 = 96.0;
+
 /// The points of the working volume at which a reading is at the limit of the sensor's range, or
 /// would be beyond it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -30,7 +33,7 @@ impl Film {
     /// # Errors
     /// If the layout has no working volume, or the sensor cannot read the field.
     pub fn out_of_range(&self) -> Result<Option<OutOfRange>, FilmError> {
-        let grid = self.volume()?.grid;
+        let grid = self.volume_for(BYTES_PER_POINT)?.grid;
         let sensed = self.sensed_field(&grid)?;
         let sensor = *sensed.sensor();
         if !sensor.range_t.is_finite() && sensor.range_t.min_element().is_infinite() {

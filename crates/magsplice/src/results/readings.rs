@@ -61,6 +61,9 @@ pub struct FilmReadings {
     pub elastomer: Option<Elastomer>,
 }
 
+/// Bytes of the search for positions for each point of the volume. Measured: 121.
+pub(super) const LOCATOR_BYTES_PER_POINT: f64 = 128.0;
+
 /// The search for positions in the working volume, which needs an extent.
 pub(super) fn locator<'a>(sensed: SensedField<'a>, grid: Grid) -> Result<Locator<'a>, FilmError> {
     if grid.lower() == grid.upper() {
@@ -78,7 +81,7 @@ impl Film {
     /// If the layout has no working volume, the sensor cannot read the field, or the mean of
     /// [`AtRest::Rest`] has no position.
     pub fn read(&self, readings_t: &[DVec3], at_rest: AtRest, noise: Option<Noise>) -> Result<FilmReadings, FilmError> {
-        let (volume, of) = (self.volume()?, Some(readings_t.len()));
+        let (volume, of) = (self.volume_for(LOCATOR_BYTES_PER_POINT)?, Some(readings_t.len()));
         let sensed = self.sensed_field(&volume.grid)?;
         let at_reference_t = sensed.readings_t(&[volume.reference_mm]).map_err(FilmError::Points)?[0];
         let mean = |readings_t: &[DVec3]| mean_at_rest(readings_t).ok_or(FilmError::AtRest(LocateError::NotFinite));

@@ -12,6 +12,9 @@ use crate::film::Film;
 use crate::film_error::FilmError;
 use crate::stage::Stage;
 
+/// Bytes for each point: gradients, readings and deviations. Measured: 406.
+const BYTES_PER_POINT: f64 = 408.0;
+
 /// Standard deviations of displacements at points, for one reading. They are infinite where no
 /// displacement can be resolved. Values by point are in [`FilmResolution::table`].
 #[derive(Clone, Debug, Serialize)]
@@ -63,10 +66,10 @@ impl Film {
     /// layout.
     ///
     /// # Errors
-    /// If the layout has no working volume, [`FilmError::NoNoise`], or the sensor cannot read the
-    /// field.
+    /// If the layout has no working volume, [`FilmError::Memory`], [`FilmError::NoNoise`], or the
+    /// sensor cannot read the field.
     pub fn resolution(&self, noise: Option<Noise>) -> Result<FilmResolution, FilmError> {
-        self.resolution_of(Points::Grid(self.volume()?.grid), noise)
+        self.resolution_of(Points::Grid(self.volume_for(BYTES_PER_POINT)?.grid), noise)
     }
 
     /// The resolution at points of the working volume in millimetres.

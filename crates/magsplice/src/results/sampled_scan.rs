@@ -156,7 +156,7 @@ mod tests {
             later: false,
         });
         let film = Film::new(layout).unwrap();
-        let (volume, sampling) = (film.evaluation_grid().unwrap(), film.sampling().unwrap());
+        let (volume, sampling) = (film.evaluation_grid(0.0).unwrap(), film.sampling().unwrap());
         let sampler = sampling.sampler(3).unwrap();
         let points_mm: Vec<DVec3> = volume.grid.points().chain([volume.reference]).collect();
         let last = volume.grid.len();

@@ -20,6 +20,13 @@ const STRETCH: Duration = Duration::from_millis(200);
 /// Largest number of samples of a stretch.
 const LONGEST_STRETCH: u64 = 1 << 16;
 
+/// Bytes of a sampler for each point of the volume: points, and the field of a neighbour.
+const BYTES_PER_POINT: f64 = 48.0;
+
+/// Bytes of a sample for each point: readings and parameters. Measured with both: 174 for two
+/// threads.
+const BYTES_PER_THREAD: f64 = 64.0;
+
 /// A run of samples: the hash of the sampled film, the seed, and the numbers of the samples.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SampleRun {
@@ -83,10 +90,11 @@ impl Film {
     /// The samples of films as made.
     ///
     /// # Errors
-    /// If the layout has no ideal film, no working volume or no errors.
+    /// If the layout has no ideal film, no working volume or no errors; [`FilmError::Memory`].
     pub fn sampling(&self) -> Result<FilmSampling, FilmError> {
         self.ideal()?;
-        let (volume, real) = (self.evaluation_grid()?, self.real_film()?);
+        let bytes_per_point = BYTES_PER_POINT + BYTES_PER_THREAD * rayon::current_num_threads() as f64;
+        let (volume, real) = (self.evaluation_grid(bytes_per_point)?, self.real_film()?);
         Ok(FilmSampling { film: self.clone(), real, volume })
     }
 }
