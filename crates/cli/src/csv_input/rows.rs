@@ -212,11 +212,18 @@ impl Cells<'_> {
     }
 
     /// The measured vector in these cells, or `None` after adding faults. A component that was not
-    /// measured, or has no column, is NaN.
+    /// measured, or has no column, is NaN. A number beyond [`MOST_MEASURED`] is a fault.
     pub(crate) fn measured(&mut self, columns: &[Option<Column>; 3]) -> Option<DVec3> {
         let before = self.faults.len();
         let components = columns.map(|column| match column {
-            Some(column) if !is_missing(self.text(column)) => self.number(column),
+            Some(column) if !is_missing(self.text(column)) => {
+                let number = self.number(column);
+                if number.abs() > MOST_MEASURED {
+                    let fault = format!("{}, must be a measured value, at most {MOST_MEASURED:e}", self.quoted(column));
+                    self.faults.push(fault);
+                }
+                number
+            }
             _ => f64::NAN,
         });
         (self.faults.len() == before).then_some(DVec3::from(components))
@@ -227,6 +234,9 @@ impl Cells<'_> {
         self.table.quoted(column.index)
     }
 }
+
+/// Largest magnitude of a measured value. Sums of squares of larger ones overflow.
+const MOST_MEASURED: f64 = 1e100;
 
 /// Whether a cell has none of the numbers of its column, as data loggers and spreadsheets write it.
 fn is_missing(text: &str) -> bool {

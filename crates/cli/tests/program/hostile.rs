@@ -87,3 +87,27 @@ fn volumes_that_do_not_fit_into_memory_are_refused_by_every_verb() {
         assert_eq!(sandbox.files(), before, "{call}");
     }
 }
+
+/// Squares of larger numbers overflow, and results would print inf.
+#[test]
+fn measured_values_that_no_sensor_reads_are_refused_with_their_line() {
+    let sandbox = Sandbox::new();
+    let film = shipped("published-film");
+    let head = "x_mm,y_mm,z_mm,fx_n,fy_n,fz_n,bx_t,by_t,bz_t\n";
+    let good = "0,0,-4,0.1,0,0,1e-3,1e-3,1e-3\n".repeat(4);
+    sandbox.write("reading.csv", &format!("{head}{good}0,0,-4,0,0,0,1e-3,-1e200,1e-3\n"));
+    sandbox.write("force.csv", &format!("{head}{good}0,0,-4,1e180,0,0,1e-3,1e-3,1e-3\n"));
+    for (verb, file, value) in [
+        ("read", "reading.csv", "by_t = \"-1e200\""),
+        ("scan", "reading.csv", "by_t = \"-1e200\""),
+        ("calibrate", "reading.csv", "by_t = \"-1e200\""),
+        ("calibrate", "force.csv", "fx_n = \"1e180\""),
+    ] {
+        let message = format!("{file}: line 6: {value}, must be a measured value, at most 1e100");
+        sandbox.run(&[verb, &film, file]).refuses(&message);
+    }
+    let diagnose = |file: &str, noise: &str| sandbox.run(&["diagnose", &film, "--scan", file, "--noise", noise]);
+    diagnose("reading.csv", "5uT").refuses("must be a measured value, at most 1e100");
+    sandbox.write("reading.csv", &format!("{head}{good}"));
+    diagnose("reading.csv", "1e-300T").refuses("noise[0] = 1e-300 T, must be a finite number of at least 1e-30 T");
+}

@@ -199,7 +199,7 @@ impl Film {
         let scan = FieldScan { points_mm: points_mm.to_vec(), noise_t };
         let model = ScanDiagnosis::new(&tiles, scan, settings, start).map_err(failed)?;
         let show = |found: usize| {
-            self.tell(Stage::uncounted(if found == 0 { "searching faulty tiles" } else { "identifying faulty tiles" }));
+            self.tell(Stage { name: "faulty tiles", done: found, of: None, unit: "errors identified" });
         };
         let mut diagnosis = model.diagnose(&field_t, show).map_err(failed)?;
         // Saturated readings were withheld as unfinished.

@@ -5,6 +5,10 @@ use magsplice_magnet::{PointErrors, TileFaults};
 use magsplice_tolerance::SampleError;
 use thiserror::Error;
 
+/// Least noise in tesla, far below every sensor. The squares of readings over a smaller one
+/// overflow.
+pub(crate) const LEAST_NOISE_T: f64 = 1e-30;
+
 /// The reason why a scan cannot be diagnosed.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
@@ -26,8 +30,8 @@ pub enum DiagnosisError {
     /// There are no tiles or no readings.
     #[error("no tiles or no readings, must be at least one of each")]
     Empty,
-    /// The noise is not greater than 0 along an axis.
-    #[error("noise[{axis}] = {value_t} T, must be greater than 0")]
+    /// The noise is too small along an axis, or not finite.
+    #[error("noise[{axis}] = {value_t:e} T, must be a finite number of at least {LEAST_NOISE_T:e} T")]
     Noise {
         /// The axis.
         axis: usize,

@@ -5,7 +5,7 @@ use magsplice_magnet::Tile;
 use magsplice_tolerance::{RealFilm, mean_square};
 
 use crate::diagnosis::candidate::{Candidate, ErrorKind};
-use crate::diagnosis::error::DiagnosisError;
+use crate::diagnosis::error::{DiagnosisError, LEAST_NOISE_T};
 use crate::diagnosis::model::{Linearized, ScanModel};
 use crate::diagnosis::prior_fit::PriorFit;
 use crate::diagnosis::result::{Diagnosis, FittedError};
@@ -53,7 +53,7 @@ impl ScanDiagnosis {
         if tiles.is_empty() || scan.points_mm.is_empty() {
             return Err(DiagnosisError::Empty);
         }
-        if let Some(axis) = (0..3).find(|axis| !(scan.noise_t[*axis] > 0.0 && scan.noise_t[*axis].is_finite())) {
+        if let Some(axis) = (0..3).find(|axis| !(LEAST_NOISE_T..f64::INFINITY).contains(&scan.noise_t[*axis])) {
             return Err(DiagnosisError::Noise { axis, value_t: scan.noise_t[axis] });
         }
         if !(settings.false_alarm > 0.0 && settings.false_alarm < 1.0) {
