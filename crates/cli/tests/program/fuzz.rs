@@ -5,7 +5,7 @@ use crate::{Sandbox, shipped};
 /// Runs of the program with edited files.
 const RUNS: u64 = 100;
 /// Longest text that the program says about a file.
-const LONGEST_MESSAGE: usize = 10_000;
+pub(crate) const LONGEST_MESSAGE: usize = 10_000;
 
 /// Bytes that replace a part of a file.
 const PARTS: [&[u8]; 16] = [
@@ -28,10 +28,14 @@ const PARTS: [&[u8]; 16] = [
 ];
 
 /// A sequence of numbers that looks random (SplitMix64).
-struct Sequence(u64);
+pub(crate) struct Sequence(u64);
 
 impl Sequence {
-    fn below(&mut self, count: usize) -> usize {
+    pub(crate) fn new(seed: u64) -> Sequence {
+        Sequence(seed)
+    }
+
+    pub(crate) fn below(&mut self, count: usize) -> usize {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
@@ -39,7 +43,7 @@ impl Sequence {
     }
 
     /// The bytes with up to three short parts replaced.
-    fn edited(&mut self, bytes: &[u8]) -> Vec<u8> {
+    pub(crate) fn edited(&mut self, bytes: &[u8]) -> Vec<u8> {
         let mut edited = bytes.to_vec();
         for _ in 0..=self.below(3) {
             let start = self.below(edited.len().max(1));

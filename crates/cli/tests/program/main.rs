@@ -21,6 +21,7 @@ mod flat_volumes;
 mod forces;
 mod formats;
 mod fuzz;
+mod fuzz_verbs;
 mod help;
 mod hints;
 mod hostile;
@@ -74,6 +75,11 @@ struct RunOutput {
 impl Sandbox {
     fn new() -> Sandbox {
         Sandbox { folder: TempDir::new().expect("a temporary folder") }
+    }
+
+    /// The name of the folder.
+    fn name(&self) -> String {
+        self.folder.path().file_name().expect("a name").to_string_lossy().into_owned()
     }
 
     fn path(&self, name: &str) -> PathBuf {
