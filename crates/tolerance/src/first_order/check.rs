@@ -74,7 +74,7 @@ impl FirstOrderCheck {
 #[derive(Clone, Copy, Default)]
 struct Sums {
     /// Squares of exact errors.
-    exact: f64,
+    exact: Moments,
     /// Differences of the squares of exact and of linear errors.
     squares: Moments,
     /// Differences of the squares of their deviations from the mean of the model.
@@ -154,7 +154,7 @@ impl FirstOrder {
             let (exact, linear) = (self.along(exact_mm, axis), self.along(linear_mm, axis));
             let mean = self.along(&self.mean_mm, axis);
             let (mut squares, mut about_mean) = (0.0, 0.0);
-            sums.exact += dot(exact, exact) / count;
+            sums.exact.add(dot(exact, exact) / count);
             for ((exact, linear), mean) in exact.iter().zip(linear).zip(mean) {
                 let difference = exact - linear;
                 // Products of sum and difference, which do not cancel.
@@ -171,11 +171,20 @@ impl FirstOrder {
         let errors = self.axis_errors(axis);
         let ratio = |difference: f64, half: f64, of: f64| {
             let [value, half] = [1.0 + difference / of, half / of];
-            (of > 0.0).then_some(Estimate { value, interval: [value - half, value + half] })
+            // No ratio of squares is below 0, but an estimate by differences may be.
+            let interval = [value - half, value + half].map(|end| end.max(0.0));
+            (of > 0.0).then_some(Estimate { value: value.max(0.0), interval })
         };
         let per_root = NORMAL_95 / count.sqrt();
+        let (exact_mm2, deviation_of_exact) = sums.exact.mean_and_deviation(count);
         let (mean, deviation) = sums.squares.mean_and_deviation(count);
-        let mean_square_ratio = ratio(mean, per_root * deviation, errors.expected_mm2);
+        // Where the model is far off, its samples say nothing about exact ones, which are then
+        // the better estimate alone.
+        let mean_square_ratio = if deviation <= deviation_of_exact {
+            ratio(mean, per_root * deviation, errors.expected_mm2)
+        } else {
+            ratio(exact_mm2 - errors.expected_mm2, per_root * deviation_of_exact, errors.expected_mm2)
+        };
         // The variance is the mean square about the mean of the model, less the square of the bias
         // of this mean. The square of an estimated bias is too large by its own variance.
         let (mean, deviation) = sums.about_mean.mean_and_deviation(count);
@@ -185,6 +194,6 @@ impl FirstOrder {
         // At most, as if each sample had its difference along the bias.
         let bias_deviation = 2.0 * (bias * scatter * count).sqrt();
         let variance_ratio = ratio(mean - bias, per_root * (deviation + bias_deviation), errors.variance_mm2);
-        AxisCheck { sampled_mm2: sums.exact / count, mean_square_ratio, variance_ratio }
+        AxisCheck { sampled_mm2: exact_mm2, mean_square_ratio, variance_ratio }
     }
 }

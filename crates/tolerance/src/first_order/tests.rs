@@ -9,7 +9,7 @@ use magsplice_layout::{
 use magsplice_magnet::{Grid, Tile, TileError};
 
 use super::displacement::displacement_errors_mm;
-use super::{ErrorSource, FirstOrder};
+use super::{AxisCheck, ErrorSource, FirstOrder};
 use crate::evaluation_grid::EvaluationGrid;
 use crate::real_film::RealFilm;
 use crate::sampler::Sampler;
@@ -223,6 +223,30 @@ fn linear_samples_have_the_expected_mean_square() {
         let deviation = (squares.iter().map(|square| (square - mean).powi(2)).sum::<f64>() / n as f64).sqrt();
         assert!((mean - expected_mm2).abs() < 6.0 * deviation / (n as f64).sqrt(), "{mean}, not {expected_mm2}");
     }
+}
+
+/// An offset far above the field, for which the first order means nothing: exact errors are at most
+/// half a wavelength, and linear ones have no bound. Half of the means of their squares are larger
+/// than the expected one, so differences alone would give negative ratios.
+#[test]
+fn ratio_of_mean_squares_is_never_negative() {
+    let sensor = SensorErrors { offset_t: [(); 3].map(|()| Distribution::normal(0.05)), ..SensorErrors::default() };
+    let tolerance =
+        FilmTolerance { common: CommonErrors { sensor, ..CommonErrors::default() }, ..FilmTolerance::default() };
+    let film = RealFilm::new(&tiles(), &tolerance);
+    let (volume, ideal) = (volume(), ideal());
+    let model = FirstOrder::new(&film, &volume, &ideal).expect("a model");
+    let mut checked = 0;
+    for seed in 0..10 {
+        let sampler = Sampler::new(&film, &volume, &ideal, seed).expect("a sampler");
+        let Ok(check) = model.check(&sampler, 0..20, || ()) else { continue };
+        checked += 1;
+        for AxisCheck { sampled_mm2, mean_square_ratio, .. } in check.axes {
+            let ratio = mean_square_ratio.expect("errors");
+            assert!(ratio.value > 0.0 && ratio.interval[0] >= 0.0, "seed {seed}: {ratio:?}, of {sampled_mm2} mm2");
+        }
+    }
+    assert!(checked > 5, "{checked} of 10 runs have samples");
 }
 
 /// 82 errors at three million points need 12 GB.
