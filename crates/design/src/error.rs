@@ -133,6 +133,9 @@ pub enum RoundingFault {
         /// Depth of the overlap, in millimetres.
         depth_mm: f64,
     },
+    /// It breaks these rules.
+    #[error("the rounded film breaks {}", listed(.0, "; "))]
+    Rules(Vec<Rule>),
     /// Its errors do not exist.
     #[error("{0}")]
     NoMetrics(Box<DesignError>),

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use magsplice::design::{DesignProblem, MadeFilms, SearchResult, SpliceRequest, distances_of};
+use magsplice::design::{DesignError, DesignProblem, MadeFilms, SearchResult, SpliceRequest, distances_of};
 use magsplice::layout::{self, Brief, FilmTolerance, Goal, StatedSensor, Under};
 
 use super::design::search::{self, Origin};
@@ -162,7 +162,14 @@ enum UnderArg {
 }
 
 pub(crate) fn run(args: &SpliceArgs, quiet: bool) -> Result<u8, Failure> {
-    let failed = |error| Failure::design(Path::new("splice"), error);
+    let failed = |error: DesignError| match error {
+        DesignError::Contradiction(_) => {
+            let way_out =
+                "a smaller --smallest-cut or --gap, or a larger --film, leaves room for the tiles of the pattern";
+            Failure::at(Path::new("splice"), format!("{error}\n{way_out}"))
+        }
+        error => Failure::design(Path::new("splice"), error),
+    };
     let request = args.request();
     let layout = request.layout().map_err(failed)?;
     let problem = DesignProblem::new(&layout).map_err(failed)?;

@@ -107,8 +107,36 @@ fn splice_searches_for_films_as_made() {
         found["made"]["after"]["displacement_rmse_mm"]["x"]["p95"]["value"].as_f64().expect("a number")
     };
     assert!(p95(&["--under", "tolerance"]) < p95(&[]));
+    // Rounding keeps the gap, or the search begins again with room for it.
+    let hand =
+        ["splice", "--wavelength", "10", "--film", "20x20", "--distance", "3..5", "--preset", "by-hand", "--under"];
+    let coarse = ["tolerance", "--smallest-cut", "2", "--resolution", "0.5", "--resolution-deg", "45", "--gap", "0.2"];
+    let said = sandbox.run(&[&hand[..], &coarse, &["--starts", "2", "-o", "hand.toml"]].concat());
+    assert_eq!(said.status, 0, "{}", said.stderr);
+    let tiles = sandbox.run(&["tiles", "hand.toml", "--format", "json"]);
+    assert!(least_gap_mm(&tiles.stdout) >= 0.2 - 1e-9, "{}", tiles.stdout);
     let said = sandbox.run(&[&request[..], &["--preset", "by-hand", "--name", "pad", "-o", "film.toml"]].concat());
     assert!(said.stdout.contains("as ordered: --under tolerance searches"), "{}", said.stdout);
     assert!(sandbox.read("film.toml").contains("name = \"pad\""), "{}", sandbox.read("film.toml"));
     sandbox.run(&[&request[..], &["--under", "tolerance"]].concat()).refuses_arguments("--preset <PRESET>");
+}
+
+/// The least distance of two tiles of a flat film along the axis on which they are further apart.
+fn least_gap_mm(tiles: &str) -> f64 {
+    let layout: serde_json::Value = serde_json::from_str(tiles).expect("JSON");
+    let tiles: Vec<[[f64; 2]; 2]> = layout["tile"]
+        .as_array()
+        .expect("tiles")
+        .iter()
+        .map(|tile| {
+            let number = |key: &str, axis: usize| tile[key][axis].as_f64().expect("a number");
+            [0, 1].map(|axis| [number("position_mm", axis), 0.5 * number("size_mm", axis)])
+        })
+        .collect();
+    let apart = |a: &[[f64; 2]; 2], b: &[[f64; 2]; 2]| {
+        let axes = [0, 1].map(|axis| (a[axis][0] - b[axis][0]).abs() - a[axis][1] - b[axis][1]);
+        axes[0].max(axes[1])
+    };
+    let pairs = tiles.iter().enumerate().flat_map(|(n, a)| tiles[..n].iter().map(move |b| apart(a, b)));
+    pairs.fold(f64::INFINITY, f64::min)
 }

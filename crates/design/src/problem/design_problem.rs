@@ -148,12 +148,17 @@ impl<'a> DesignProblem<'a> {
 
     /// The error of rules that no film keeps together.
     pub(crate) fn contradiction(&self, rules: Vec<LinearRule>) -> DesignError {
+        DesignError::Contradiction(self.named(rules))
+    }
+
+    /// Rules with the names of their tiles.
+    pub(crate) fn named(&self, rules: Vec<LinearRule>) -> Vec<Rule> {
         let name = |tile: usize| self.layout.tiles[tile].name.clone();
         let named = |LinearRule { demand, tiles: (tile, other), .. }| Rule {
             tiles: [Some(tile), other].into_iter().flatten().map(name).collect(),
             demand,
         };
-        DesignError::Contradiction(rules.into_iter().map(named).collect())
+        rules.into_iter().map(named).collect()
     }
 }
 

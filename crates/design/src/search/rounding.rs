@@ -52,13 +52,18 @@ pub(crate) fn rounded(problem: &DesignProblem, pattern: &Pattern, variables: &[f
     best
 }
 
-/// The merit of the film that rounding makes of `variables`; infinite if it breaks a rule.
-pub(crate) fn rounded_merit(problem: &DesignProblem, pattern: &Pattern, variables: &[f64]) -> f64 {
+/// The merit of the film that rounding makes of `variables`. `None` if it breaks a rule.
+pub(crate) fn rounded_merit(problem: &DesignProblem, pattern: &Pattern, variables: &[f64]) -> Option<f64> {
     let rounded = rounded(problem, pattern, variables);
-    if broken(&exact_rules(problem, pattern, &rounded), &rounded) > 0.0 {
-        return f64::INFINITY;
-    }
-    problem.least_squares.candidate_at(pattern, rounded).map_or(f64::INFINITY, |film| film.merit())
+    let keeps_rules = broken_rules(problem, pattern, &rounded).is_empty();
+    keeps_rules.then(|| problem.least_squares.candidate_at(pattern, rounded).map(|film| film.merit())).flatten()
+}
+
+/// The rules of the brief that a rounded film breaks.
+pub(crate) fn broken_rules(problem: &DesignProblem, pattern: &Pattern, rounded: &[f64]) -> Vec<LinearRule> {
+    let mut rules = exact_rules(problem, pattern, rounded);
+    rules.retain(|rule| rule.value.eval(rounded) < -KEPT_MM);
+    rules
 }
 
 fn step(problem: &DesignProblem, kind: VariableKind) -> Option<f64> {

@@ -39,12 +39,19 @@ impl DesignProblem<'_> {
         let mut problem = self.clone();
         problem.hold_recoil(&self.tiles)?;
         let watch = Watch::new(progress);
-        problem.finished(problem.best_of_starts(&watch)?, &watch)
+        let mut found = problem.best_of_starts(&watch)?;
+        // Other stages follow where there are few parts, and they keep their own distance.
+        if !found.keeps_rules && self.brief.parts.is_none() && self.brief.stock.is_empty() {
+            // Rounding moves each of two faces by at most half a step.
+            problem.least_squares.bounds.gap.least_mm += self.brief.resolution_mm;
+            found = problem.best_of_starts(&watch)?;
+        }
+        problem.finished(found, &watch)
     }
 
     /// The stages after the starts.
     pub(crate) fn finished(&self, best: BestOfStarts, watch: &Watch) -> Result<SearchResult, DesignError> {
-        let BestOfStarts { best, agreeing } = best;
+        let BestOfStarts { best, agreeing, .. } = best;
         let mut problem = self.clone();
         let mut stages = vec![problem.stage_metrics(SearchStage::Starts, &self.pattern, &best)?];
         let (mut pattern, mut candidate) = (self.pattern.clone(), best);
@@ -148,6 +155,10 @@ impl DesignProblem<'_> {
         loop {
             let variables = rounding::rounded(&self, pattern, &candidate.variables);
             let name = |index: usize| self.layout.tiles[index].name.clone();
+            let broken = rounding::broken_rules(&self, pattern, &variables);
+            if !broken.is_empty() {
+                return Err(self.too_coarse(RoundingFault::Rules(self.named(broken))));
+            }
             let tiles = pattern
                 .images_of(|variable_tile| rounding::tile(variable_tile, &variables))
                 .map_err(|index| self.too_coarse(RoundingFault::NoSide(name(index))))?;
@@ -219,15 +230,18 @@ impl DesignProblem<'_> {
         // Errors within a tenth are squares within a fifth.
         let agreeing = merits().filter(|merit| *merit <= 1.2 * least).count();
         // Rounding to coarse steps may cost more than the starts differ by.
-        let rounded: Vec<(f64, Candidate)> = all
+        let rounded: Vec<([f64; 2], Candidate)> = all
             .into_par_iter()
             .flatten()
-            .map(|found| (rounding::rounded_merit(self, &self.pattern, &found.variables), found))
+            .map(|found| {
+                let merit = rounding::rounded_merit(self, &self.pattern, &found.variables);
+                ([merit.unwrap_or(f64::INFINITY), found.merit()], found)
+            })
             .collect();
-        let order =
-            |a: &(f64, Candidate), b: &(f64, Candidate)| a.0.total_cmp(&b.0).then(a.1.merit().total_cmp(&b.1.merit()));
-        let best = rounded.into_iter().min_by(order).map(|(_, best)| best);
-        Ok(BestOfStarts { best: best.ok_or(DesignError::Singular)?, agreeing })
+        let order = |a: &[f64; 2], b: &[f64; 2]| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1]));
+        let best = rounded.into_iter().min_by(|a, b| order(&a.0, &b.0));
+        let ([merit, _], best) = best.ok_or(DesignError::Singular)?;
+        Ok(BestOfStarts { best, agreeing, keeps_rules: merit.is_finite() })
     }
 
     /// A start away from the first one. `None` if no film near it keeps the rules.
@@ -278,4 +292,6 @@ pub(crate) struct BestOfStarts {
     pub(crate) best: Candidate,
     /// Number of starts whose error is within a tenth of the best.
     pub(crate) agreeing: usize,
+    /// Whether the film keeps its rules after rounding.
+    pub(crate) keeps_rules: bool,
 }
