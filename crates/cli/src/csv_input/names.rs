@@ -5,7 +5,7 @@
 pub(crate) fn unit_in(name: &str, base: &str) -> Option<String> {
     // Quotes that a reader of CSV leaves, because they do not begin the cell or are single.
     let name = name.trim_matches(['"', '\'', ' ', '\t']).to_lowercase();
-    let rest = name.strip_prefix(base)?;
+    let rest = without(&name, base)?;
     if rest.is_empty() {
         return Some(String::new());
     }
@@ -15,6 +15,13 @@ pub(crate) fn unit_in(name: &str, base: &str) -> Option<String> {
     let in_brackets = bracketed('(', ')').or(bracketed('[', ']')).or(bracketed('{', '}')).map(str::trim);
     let unit = in_brackets.or_else(|| (unit.len() < rest.len()).then_some(unit))?;
     (!unit.is_empty()).then(|| unit.to_owned())
+}
+
+/// What follows `base`, whose words may be separated by a space or a hyphen instead of `_`.
+fn without<'n>(name: &'n str, base: &str) -> Option<&'n str> {
+    let (start, rest) = name.split_at_checked(base.len())?;
+    let is_same = |(found, wanted): (char, char)| found == wanted || wanted == '_' && matches!(found, ' ' | '-');
+    start.chars().zip(base.chars()).all(is_same).then_some(rest)
 }
 
 #[cfg(test)]
@@ -34,6 +41,8 @@ mod tests {
         assert_eq!(unit_in("Jx (kA/m)", "jx").as_deref(), Some("ka/m"));
         assert_eq!(unit_in("size_x_mm", "size_x").as_deref(), Some("mm"));
         assert_eq!(unit_in("X", "x").as_deref(), Some(""));
+        assert_eq!(unit_in("X Pos [mm]", "x_pos").as_deref(), Some("mm"));
+        assert_eq!(unit_in("é", "b_x"), None);
         for name in ["", "y", "xmm", "xy_mm", "x_", "x()", "note"] {
             assert_eq!(unit_in(name, "x"), None, "{name}");
         }

@@ -47,24 +47,20 @@ pub(crate) const SIZE: Group<3> = Group {
 /// In tesla.
 pub(crate) const POLARIZATION: Group<3> = Group {
     name: "polarization",
-    columns: [&["jx", "j_x", "j x"], &["jy", "j_y", "j y"], &["jz", "j_z", "j z"]],
+    columns: [&["jx", "j_x"], &["jy", "j_y"], &["jz", "j_z"]],
     suffix: "_t",
     units: &FLUX_DENSITIES,
 };
 /// As a polarization in tesla.
 pub(crate) const MAGNETIZATION: Group<3> = Group {
     name: "magnetization",
-    columns: [&["mx", "m_x", "m x"], &["my", "m_y", "m y"], &["mz", "m_z", "m z"]],
+    columns: [&["mx", "m_x"], &["my", "m_y"], &["mz", "m_z"]],
     suffix: "_a_per_m",
     units: &FIELD_STRENGTHS,
 };
 /// In A m2.
-pub(crate) const MOMENT: Group<3> = Group {
-    name: "moment",
-    columns: [&["moment_x", "moment x"], &["moment_y", "moment y"], &["moment_z", "moment z"]],
-    suffix: "_a_m2",
-    units: &MOMENTS,
-};
+pub(crate) const MOMENT: Group<3> =
+    Group { name: "moment", columns: [&["moment_x"], &["moment_y"], &["moment_z"]], suffix: "_a_m2", units: &MOMENTS };
 /// Magnitude of a polarization in tesla.
 pub(crate) const STRENGTH: Group<1> =
     Group { name: "strength", columns: [&["strength", "br"]], suffix: "_t", units: &FLUX_DENSITIES };
@@ -76,21 +72,25 @@ pub(crate) const TILT: Group<1> = Group { name: "tilt", columns: [&["tilt"]], su
 /// Readings of a sensor in tesla, or in counts.
 pub(crate) const READING: Group<3> = Group {
     name: "flux density",
-    columns: [&["bx", "b_x", "b x"], &["by", "b_y", "b y"], &["bz", "b_z", "b z"]],
+    columns: [
+        &["bx", "b_x", "field_x", "mag_x"],
+        &["by", "b_y", "field_y", "mag_y"],
+        &["bz", "b_z", "field_z", "mag_z"],
+    ],
     suffix: "_mt",
     units: &READINGS,
 };
 /// Readings as field strengths, times mu0 in tesla.
 pub(crate) const FIELD_STRENGTH: Group<3> = Group {
     name: "field strength",
-    columns: [&["hx", "h_x", "h x"], &["hy", "h_y", "h y"], &["hz", "h_z", "h z"]],
+    columns: [&["hx", "h_x"], &["hy", "h_y"], &["hz", "h_z"]],
     suffix: "_a_per_m",
     units: &FIELD_STRENGTHS,
 };
 /// In newton.
 pub(crate) const FORCE: Group<3> = Group {
     name: "force",
-    columns: [&["fx", "f_x", "f x", "force_x"], &["fy", "f_y", "f y", "force_y"], &["fz", "f_z", "f z", "force_z"]],
+    columns: [&["fx", "f_x", "force_x"], &["fy", "f_y", "force_y"], &["fz", "f_z", "force_z"]],
     suffix: "_n",
     units: &FORCES,
 };
