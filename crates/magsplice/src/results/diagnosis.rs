@@ -150,8 +150,8 @@ impl Film {
     ///
     /// # Errors
     /// [`FilmError::NoNoise`] if the noise is not known; [`FilmError::Points`] for points without a
-    /// field; [`FilmError::Misplaced`] for a scan with another placement of the sensor; otherwise
-    /// [`FilmError::Diagnosis`].
+    /// field; [`FilmError::Misplaced`] for a scan with another placement of the sensor;
+    /// [`FilmError::Scan`] for a scan of another film; otherwise [`FilmError::Diagnosis`].
     ///
     /// # Panics
     /// If there are not as many readings as points.

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use magsplice_field::Scene;
 use magsplice_magnet::Quantity;
-use magsplice_scan::{FreeParameters, ScanParameters, fit_scan};
+use magsplice_scan::{FreeParameters, ScanError, ScanParameters, fit_scan};
 
 use super::placement::SensorPlacement;
 use crate::film_error::FilmError;
@@ -13,9 +13,13 @@ use crate::film_error::FilmError;
 const EXPLAINED: f64 = 0.25;
 
 /// Residual of the film as ordered over the root mean square of the readings above which another
-/// placement is tried before errors of tiles. Errors of all tiles of films made by hand leave a
-/// tenth.
-const MISPLACED: f64 = 0.2;
+/// placement is tried before errors of tiles. It is believed only if it explains most of the
+/// residual.
+const MISPLACED: f64 = 0.1;
+
+/// The same above which errors of tiles explain no scan. Errors of all tiles of films made by hand
+/// leave a tenth.
+const HOPELESS: f64 = 0.5;
 
 /// A scan of the field of a film as ordered. Readings that are not used are NaN.
 pub(super) struct PlacedScan<'a> {
@@ -43,8 +47,9 @@ impl<'a> PlacedScan<'a> {
     /// where faulty tiles do not let them be fitted.
     ///
     /// # Errors
-    /// [`FilmError::Misplaced`] for a scan that another placement of the sensor explains, and
-    /// [`FilmError::Points`] for points without a field.
+    /// [`FilmError::Misplaced`] for a scan that another placement of the sensor explains,
+    /// [`FilmError::Scan`] for a scan of another film, and [`FilmError::Points`] for points without
+    /// a field.
     pub(super) fn start(&self, free: FreeParameters) -> Result<ScanParameters, FilmError> {
         let fit = (free != FreeParameters::NONE)
             .then(|| fit_scan(self.ordered, self.points_mm, self.field_t, free, self.centre_mm).ok())
@@ -55,7 +60,13 @@ impl<'a> PlacedScan<'a> {
         let start = fit.map_or(ScanParameters::PERFECT, |fit| fit.parameters);
         let [residual_t, reading_t] = self.medians(&start)?;
         let placement = (residual_t > MISPLACED * reading_t).then(|| self.explaining(residual_t)).flatten();
-        placement.map_or(Ok(start), |placement| Err(FilmError::Misplaced(Box::new(placement))))
+        match placement {
+            Some(placement) => Err(FilmError::Misplaced(Box::new(placement))),
+            None if residual_t > HOPELESS * reading_t => {
+                Err(FilmError::Scan(ScanError::Misfit { residual_t, reading_t }))
+            }
+            None => Ok(start),
+        }
     }
 
     /// The placement of the sensor that explains the scan, if it leaves much less than a residual.
