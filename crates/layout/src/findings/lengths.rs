@@ -39,6 +39,15 @@ pub(crate) fn findings(tiles: &[NamedTile], ideal: Option<&IdealFilm>, volume: O
     about_volume.into_iter().chain(about_ideal).collect()
 }
 
+/// The scatter of the lower faces below a height, as in a film as made: three standard deviations.
+fn scatter_mm(tiles: &[NamedTile], below_mm: f64) -> f64 {
+    let faces: Vec<f64> =
+        tiles.iter().map(|named| bounds(std::slice::from_ref(named)).lower.z).filter(|z| *z < below_mm).collect();
+    let count = faces.len().max(1) as f64;
+    let mean = faces.iter().sum::<f64>() / count;
+    3.0 * (faces.iter().map(|z| (z - mean).powi(2)).sum::<f64>() / count).sqrt()
+}
+
 /// Findings about the ideal film, and about tiles and volume that it cannot be compared with.
 fn about_ideal_film(tiles: &[NamedTile], ideal: &IdealFilm, volume: Option<&WorkingVolume>) -> Vec<Finding> {
     let mut found = Vec::new();
@@ -73,7 +82,7 @@ fn about_ideal_film(tiles: &[NamedTile], ideal: &IdealFilm, volume: Option<&Work
     } else if !is_thin && (size.z > MAX_HEIGHT_RATIO * thickness || size.z * MAX_HEIGHT_RATIO < thickness) {
         let height = short(size.z);
         add(format!("the tiles are {height} mm high and the film of [ideal] {thickness} mm: is one of them in m?"));
-    } else if film.lower.z.abs() > STANDS_WITHIN * wavelength {
+    } else if film.lower.z.abs() > STANDS_WITHIN * wavelength + scatter_mm(tiles, film.lower.z + 0.5 * size.z) {
         let [low, high] = [film.lower.z, film.upper.z].map(|z| decimals(z, 6));
         add(format!(
             "the film is at z = {low} .. {high} mm, and the ideal film fills 0 <= z <= {thickness} mm with the sensor \
