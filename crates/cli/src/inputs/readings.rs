@@ -10,7 +10,8 @@ use crate::csv_input::quantities::{FIELD_STRENGTH, FORCE, Group, POSITION, READI
 use crate::csv_input::rows::{Cells, Form, Rows};
 use crate::failure::Failure;
 use crate::session::Session;
-use crate::text::number::counted;
+use crate::text::number::{counted, number};
+use crate::text::units::in_mt;
 use crate::words::{flux_density_mt, larger_range};
 
 /// Largest number of readings held in memory: with their positions they take 3 GB.
@@ -107,6 +108,17 @@ fn at_limit(session: &Session, readings_t: &[DVec3]) -> Option<String> {
     // The conversion of readings from counts rounds.
     let is_beyond = largest_t.cmpgt(range_t + sensor.element.count_t).any();
     let (largest, range) = (flux_density_mt(largest_t), flux_density_mt(range_t));
+    let strongest_t = session.layout.tiles.iter().map(|of| of.tile.polarization_t().length()).fold(0.0, f64::max);
+    let impossible = finite().filter(|reading| reading.abs().max_element() > strongest_t).count();
+    if impossible > 0 && is_beyond {
+        let most = number(in_mt(strongest_t));
+        return Some(if 2 * impossible > finite().count() {
+            format!("readings reach {largest}, and no tile has a polarization above {most} mT: check their unit")
+        } else {
+            let readings = counted(impossible, "reading is", "readings are");
+            format!("{readings} above {most} mT, the largest polarization of a tile: wild, or of another unit")
+        });
+    }
     let found = if is_beyond {
         format!("readings reach {largest}, beyond the range of [sensor], {range}: the sensor had another setting")
     } else {
