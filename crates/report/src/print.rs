@@ -76,7 +76,8 @@ fn scales() -> [f64; 2] {
 
 fn width(draft: &FigureDraft, width_mm: f64, [least, most]: [f64; 2]) -> ReportError {
     let at_most = if most.is_finite() { format!(" to {:.0}", most.floor()) } else { " or more".to_owned() };
-    let instead = format!("{:.0}{at_most} mm", least.ceil());
+    let component = if draft.maps.is_some() { ", or one component, which fits a column" } else { "" };
+    let instead = format!("{:.0}{at_most} mm{component}", least.ceil());
     ReportError::Width { figure: draft.name, width_mm, instead }
 }
 

@@ -57,12 +57,9 @@ fn in_whole_names(cell: &str) -> String {
 
 impl PrintedTable<'_> {
     fn append(&self, html: &mut String) {
-        let cells = |element: &str, cells: &mut dyn Iterator<Item = &str>| -> String {
-            cells.map(|cell| format!("<{element}>{}</{element}>", in_whole_names(cell))).collect()
-        };
         let [head_box, row_box] =
             if self.has_boxes { ["<th></th>", "<td><span class=\"box\"></span></td>"] } else { [""; 2] };
-        let head = cells("th", &mut self.columns.iter().copied());
+        let head: String = self.columns.iter().map(|name| format!("<th>{}</th>", escaped(name))).collect();
         let _ = writeln!(
             html,
             "<h2>{}</h2>\n<p>{}</p>\n<div class=\"wide\"><table>\n<thead><tr>{head_box}{head}</tr></thead>\n<tbody>",
@@ -70,7 +67,8 @@ impl PrintedTable<'_> {
             escaped(&self.remark)
         );
         for row in &self.rows {
-            let _ = writeln!(html, "<tr>{row_box}{}</tr>", cells("td", &mut row.iter().map(String::as_str)));
+            let cells: String = row.iter().map(|cell| format!("<td>{}</td>", in_whole_names(cell))).collect();
+            let _ = writeln!(html, "<tr>{row_box}{cells}</tr>");
         }
         *html += "</tbody>\n</table></div>\n";
     }

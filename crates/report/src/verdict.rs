@@ -131,10 +131,11 @@ fn bounds(expectations: &[CheckedExpectation]) -> String {
             Some(error) => format!("<td colspan=\"2\" class=\"reason\">{}</td>", escaped(error)),
             None => format!("<td>{}</td><td>{bound}</td>", checked.value.map_or(String::new(), number)),
         };
-        format!(
-            "<tr><th scope=\"row\">{}</th>{cells}<td>{status}</td></tr>\n",
-            escaped(&checked.expectation.to_string())
-        )
+        let limit = checked.percentile.map_or(String::new(), |of| {
+            format!("; P{} is {}, and the limit of its interval counts", of.per_cent, number(of.value))
+        });
+        let name = escaped(&format!("{}{limit}", checked.expectation));
+        format!("<tr><th scope=\"row\">{name}</th>{cells}<td>{status}</td></tr>\n")
     };
     let rows: String = ordered.iter().map(row).collect();
     format!(

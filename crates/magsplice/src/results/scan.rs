@@ -27,6 +27,9 @@ const PLAUSIBLE_STRENGTHS: RangeInclusive<f64> = 0.5..=2.0;
 /// datasheet states to a factor of two.
 const MOST_RESIDUAL: f64 = 3.0;
 
+/// The same over the readings, where the noise of the sensor is not known.
+const MOST_SHARE: f64 = 0.02;
+
 /// A scan that was fitted. Its readings have numbers, such as their lines in a file.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FilmScan {
@@ -76,6 +79,9 @@ pub struct FilmScan {
     /// Whether the strength is held because the scan does not tell it from the height.
     #[serde(skip)]
     pub holds_strength: bool,
+    /// Root mean square of a component of the readings without offset.
+    #[serde(skip)]
+    pub reading_t: f64,
     /// Largest noise of the sensor of the layout; 0 without one.
     #[serde(skip)]
     pub sensor_noise_t: f64,
@@ -106,6 +112,11 @@ impl ExcludedReadings {
             .push(*number);
         }
         excluded
+    }
+
+    /// Number of readings that the fit does not use.
+    pub fn count(&self) -> usize {
+        self.by_reason().iter().map(|(_, numbers)| numbers.len()).sum()
     }
 
     /// Each reason in words, with its readings.
@@ -174,6 +185,8 @@ impl Film {
         let simulated_t: Vec<DVec3> =
             field_t.into_iter().map(|field| parameters.strength * (sensor.rotation * field)).collect();
         let kept: Vec<usize> = (0..points_mm.len()).filter(|index| fit.exclusions[*index].is_none()).collect();
+        let squares: f64 = kept.iter().map(|index| corrected_t[*index].length_squared()).sum();
+        let reading_t = (squares / (3 * kept.len().max(1)) as f64).sqrt();
         let fields_t = [readings_t, &corrected_t, &simulated_t];
         let uniformity_rmse = self
             .ideal()
@@ -201,6 +214,7 @@ impl Film {
             places_mm,
             corrected_t,
             simulated_t,
+            reading_t,
             holds_strength: is_chosen && !free.strength,
             sensor_noise_t: self.layout().sensor.as_ref().map_or(0.0, |of| of.element.deviation_t().max_element()),
         })
@@ -252,11 +266,19 @@ impl FilmScan {
             )
         });
         let held = self.holds_strength.then(|| {
-            "the strength of the layout is held, as this scan does not tell it from the height; a diagnosis with the \
-             expected errors of the tiles fits both"
+            "the strength is not fitted: errors of the tiles look like another strength and height; a diagnosis with the \
+             expected errors of the tiles (diagnose with --preset and --fit) fits both"
                 .to_owned()
         });
-        strength.into_iter().chain(residual).chain(held).collect()
+        let share = self.residual_t / self.reading_t;
+        let unexplained = (self.sensor_noise_t == 0.0 && share > MOST_SHARE).then(|| {
+            format!(
+                "the residual is {} % of the readings: the film differs from the layout, or the positions of the scan are \
+                 wrong",
+                number(100.0 * share)
+            )
+        });
+        strength.into_iter().chain(residual).chain(unexplained).chain(held).collect()
     }
 
     /// The readings with the field of the layout at the same places.

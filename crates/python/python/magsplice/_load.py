@@ -136,13 +136,15 @@ def pattern(
     Raises
     ------
     ValueError
-        If `starts` is not from 1 to 10 000, `parts` below 1, or `seed` below 0, or
-            no preset or part has this name.
+        If `starts` is not from 1 to 10 000, `parts` below 1, or `seed` below 0, if no preset or
+        part has this name, or if `under` is "tolerance" without `preset`.
     MagspliceError
         If other numbers are out of range; the message lists all of them.
     """
     starts, seed = whole("starts", starts, 1, MOST_STARTS), whole("seed", seed, 0)
     parts = None if parts is None else whole("parts", parts, 1)
+    if under == "tolerance" and preset is None:
+        raise ValueError("under = 'tolerance' needs preset, the errors of films as made")
     text = _magsplice.pattern(
         wavelength_mm,
         film_mm,
@@ -188,8 +190,9 @@ def splice(
     progress : callable, optional
         As in `Film.design`.
     **request
-        Other arguments of `pattern`: ``thickness_mm``, ``range_mm``, ``distance_mm``, ``parts``,
-        ``goal``, ...
+        Other arguments of `pattern`: ``thickness_mm``, ``range_mm``, ``distance_mm``,
+        ``smallest_cut_mm``, ``gap_mm``, ``resolution_mm``, ``parts``, ``preset``, ``under``,
+        ``sensor``, ``name``, ...
 
     Returns
     -------

@@ -61,7 +61,9 @@ fn faulty_tiles(text: &mut String, found: &FilmDiagnosis) {
         return;
     }
     if found.faulty.is_empty() {
-        text.push_str("no faulty tile\n");
+        let (used, all) = (found.readings - found.excluded.count(), found.readings);
+        let by = if used == all { String::new() } else { format!(", by {used} of {all} readings") };
+        let _ = writeln!(text, "no faulty tile{by}");
         return;
     }
     let _ = writeln!(text, "{}:", counted(found.faulty.len(), "error", "errors"));

@@ -22,6 +22,9 @@ pub(super) fn scan(film: &Film, scan: &Path, found: &FilmScan) -> String {
     text.push('\n');
     rows::heading(&mut text, "fitted, with standard deviations", ["x", "y", "z"]);
     fitted(&mut text, found.fit, &found.fitted, Some(&found.deviation));
+    if found.holds_strength {
+        rows::cell(&mut text, "  strength / strength of layout, held", &number(found.fitted.strength));
+    }
     rows::cell(&mut text, "residual of a component, uT", &number(in_ut(found.residual_t)));
     excluded(&mut text, &found.excluded);
     axes(&mut text, found);
