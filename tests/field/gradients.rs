@@ -88,3 +88,46 @@ fn gradient_turns_with_the_scene() {
         assert!(largest(found - expected) <= 1e-12 * largest(own), "{found} and not {expected} at {point}");
     }
 }
+
+/// The gradient vanishes at the centre of a tile and keeps its bound relative to its largest
+/// component around it, for compact tiles, plates and rods.
+#[test]
+fn gradient_around_the_centre_keeps_the_bound() {
+    let mut oracle = Oracle::for_moderate_scenes();
+    let mut worst = 0.0_f64;
+    for size in [[1.0; 3], [3.3, 1.7, 1.0], [1.0, 0.3, 0.4], [1.0, 0.2, 1.0], [2.0, 0.5, 9.0], [1.0, 1.0, 40.0]] {
+        for j in [DVec3::X, DVec3::Y, DVec3::Z, DVec3::new(0.3, -0.5, 0.7)] {
+            let tile = Tile::new(DVec3::ZERO, DVec3::from(size), j).expect("a valid tile");
+            let scene = Scene::new(&[tile]);
+            for r in [1e-2, 1e-3, 1e-6, 1e-9, 1e-15] {
+                for direction in [DVec3::X, DVec3::Y, DVec3::Z, DVec3::new(0.6, -0.3, 0.2)] {
+                    let point = r * direction;
+                    let found = scene.gradient(Quantity::FluxDensity, point).expect("inside");
+                    let parts = DVec3::AXES.map(|axis| Tile::new(DVec3::ZERO, tile.size(), j * axis));
+                    let parts = parts.map(|part| oracle.gradient(&part.expect("a valid tile"), point));
+                    let error = largest(found - parts.into_iter().sum::<DMat3>());
+                    let error = error / parts.into_iter().map(largest).sum::<f64>();
+                    assert!(error <= GRADIENT_BOUND, "{error:e} at {point} of {size:?}, {j}");
+                    worst = worst.max(error);
+                }
+            }
+            assert_eq!(scene.gradient(Quantity::FluxDensity, DVec3::ZERO), Ok(DMat3::ZERO), "{size:?}, {j}");
+        }
+    }
+    println!("largest error over the gradient: {worst:e}");
+}
+
+/// Near the centre of a speck its own gradient is far smaller than its J over its side, and the
+/// gradient of another speck remains exact.
+#[test]
+fn gradient_at_the_centre_of_a_speck_is_the_gradient_of_the_other_tiles() {
+    let side = 1.0 / 1024.0;
+    let speck = |x: f64| Tile::new(DVec3::X * x, DVec3::splat(side), DVec3::X).expect("a valid tile");
+    let mut oracle = Oracle::for_moderate_scenes();
+    for (own, other) in [(0.0, 4.0), (1.0, 64.0), (-0.5, 0.5)] {
+        let found = Scene::new(&[speck(own), speck(other)]).gradient(Quantity::FluxDensity, DVec3::X * own);
+        let exact = oracle.gradient(&speck(other), DVec3::X * own);
+        let error = largest(found.expect("inside") - exact) / largest(exact);
+        assert!(error <= GRADIENT_BOUND, "{error:e} with specks at {own} and {other}");
+    }
+}

@@ -84,11 +84,12 @@ impl<'a> GradientEvaluator<'a> {
                     match method {
                         GradientMethod::Near => {
                             let place = self.closed_form.place(simd, point);
-                            self.terms.add(simd, &place, true, &mut sum);
+                            let steps = self.closed_form.twice_from_centre(simd, point);
+                            self.terms.add(simd, &place, Some(&steps), &mut sum);
                         }
                         GradientMethod::ClosedForm => {
                             let place = self.closed_form.place(simd, point);
-                            self.terms.add(simd, &place, false, &mut sum);
+                            self.terms.add(simd, &place, None, &mut sum);
                         }
                         GradientMethod::Series(order) => self.add_series(simd, order, point, &mut sum),
                     }

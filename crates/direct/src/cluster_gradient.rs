@@ -25,7 +25,7 @@ pub(super) fn cluster_gradients<S: Simd>(
                 places.set(cluster, load(simd, points, start));
                 let mut sum = [Lanes::splat(simd, 0.0); COMPONENTS];
                 for (tile, terms) in cluster.tiles.iter().zip(&terms) {
-                    terms.add(simd, &places.of(tile), false, &mut sum);
+                    terms.add(simd, &places.of(tile), None, &mut sum);
                 }
                 for (gradients, component) in gradients.iter_mut().zip(sum) {
                     component.store(&mut gradients[start..start + Lanes::<S>::LEN]);

@@ -67,27 +67,28 @@ impl GradientTerms {
     }
 
     /// Adds the gradient of B, in tesla per length, in the frame of the cuboid: xx, yy, zz, yz, xz,
-    /// xy. `close` means that the points are inside a rod or beside it, nearer than a side.
+    /// xy. Points inside the cuboid and close to it come with `steps`, twice their offsets from its
+    /// centre.
     #[inline(always)]
     pub fn add<N: Number>(
         &self,
         simd: N::Instructions,
         place: &CornerGeometry<N>,
-        close: bool,
+        steps: Option<&[N; 3]>,
         sum: &mut [N; COMPONENTS],
     ) {
         let [ja, jb, jc] = self.weights;
         let zero = N::splat(simd, 0.0);
         let (mut ab, mut ac, mut bc) = ([zero; 3], [zero; 3], [zero; 3]);
         if ja != 0.0 || jb != 0.0 {
-            ab = self.edges(simd, place, [0, 1, 2]);
+            ab = self.edges(simd, place, [0, 1, 2], steps);
         }
         if ja != 0.0 || jc != 0.0 {
-            ac = self.edges(simd, place, [0, 2, 1]);
+            ac = self.edges(simd, place, [0, 2, 1], steps);
         }
         if jb != 0.0 || jc != 0.0 {
-            let by_ends = !close && self.form == Form::Rod;
-            bc = if by_ends { self.edges_of_rod(simd, place) } else { self.edges(simd, place, [1, 2, 0]) };
+            let by_ends = steps.is_none() && self.form == Form::Rod;
+            bc = if by_ends { self.edges_of_rod(simd, place) } else { self.edges(simd, place, [1, 2, 0], steps) };
         }
         let ([aab, abb, mixed], [aac, acc, other_mixed], [bbc, bcc, _]) = (ab, ac, bc);
         let abc = if ja != 0.0 || jb != 0.0 { mixed } else { other_mixed };
@@ -106,16 +107,24 @@ impl GradientTerms {
 
     /// 4 pi T_iij, 4 pi T_ijj and 4 pi T_ijk from the four edges along k (Eqs. P42 to P44).
     #[inline(always)]
-    fn edges<N: Number>(&self, simd: N::Instructions, place: &CornerGeometry<N>, [i, j, k]: [usize; 3]) -> [N; 3] {
+    fn edges<N: Number>(
+        &self,
+        simd: N::Instructions,
+        place: &CornerGeometry<N>,
+        [i, j, k]: [usize; 3],
+        steps: Option<&[N; 3]>,
+    ) -> [N; 3] {
         let at = |bi: usize, bj: usize, bk: usize| (bi << (2 - i)) | (bj << (2 - j)) | (bk << (2 - k));
         let (side_j, side_k) = (self.sides[j], self.sides[k]);
         let [[i0, i0_square], [i1, i1_square]] = place.planes[i];
         let [[j0, j0_square], [j1, j1_square]] = place.planes[j];
         let [[k0, _], [k1, _]] = place.planes[k];
-        let (step_j, step_k) = (j0 + j1, k0 + k1);
+        let [step_i, step_j, step_k] =
+            steps.map_or([i0 + i1, j0 + j1, k0 + k1], |steps| [steps[i], steps[j], steps[k]]);
         let r = &place.distances;
-        let low = EdgePair { r: [[r[at(0, 0, 0)], r[at(0, 0, 1)]], [r[at(0, 1, 0)], r[at(0, 1, 1)]]] };
-        let high = EdgePair { r: [[r[at(1, 0, 0)], r[at(1, 0, 1)]], [r[at(1, 1, 0)], r[at(1, 1, 1)]]] };
+        let low_r = [[r[at(0, 0, 0)], r[at(0, 0, 1)]], [r[at(0, 1, 0)], r[at(0, 1, 1)]]];
+        let high_r = [[r[at(1, 0, 0)], r[at(1, 0, 1)]], [r[at(1, 1, 0)], r[at(1, 1, 1)]]];
+        let (low, high) = (EdgePair { r: low_r }, EdgePair { r: high_r });
         let beside = Beside::new(simd, [k0, k1]);
         let low_excesses = [
             beside.excess(low.r[0], i0_square + j0_square, side_k),
@@ -132,13 +141,25 @@ impl GradientTerms {
         let (w_low, w_high) = (over_low * low.sums, over_high * high.sums);
         let (x_low, x_high) = (over_low * low.excesses, over_high * high.excesses);
         let along_i = (i1 * high.bend).mul_sub(w_high, i0 * low.bend * w_low) * step_j;
-        // Close to the nearer plane its edge dominates, and its offset is small.
-        let nearer = step_j.where_at_least(0.0, j1, j0) * step_j;
-        let (low_j, high_j) = (nearer.mul_sub(low.bend, low.rest), nearer.mul_sub(high.bend, high.rest));
-        let along_j = high_j.mul_sub(w_high, low_j * w_low);
         let along_k = high.mixed.mul_sub(x_high, low.mixed * x_low) * (step_j * step_k);
         let factor = -2.0 * side_k * side_j;
-        [along_i * factor, along_j * factor, along_k * (0.5 * factor)]
+        let along_j = if steps.is_some() {
+            // The same edges as pairs along i: inside the cuboid nothing cancels, so that the
+            // gradient keeps its digits where it vanishes, around the centre.
+            let (r, excesses) = ([low_r, high_r], [low_excesses, high_excesses]);
+            let across = |side: usize| EdgePair { r: [r[0][side], r[1][side]] };
+            let own = |side: usize| across(side).terms([excesses[0][side], excesses[1][side]], step_i, side_k);
+            let (low, high) = (own(0), own(1));
+            let inverse = N::splat(simd, 1.0).over(low.below * high.below);
+            let along_j = (j1 * high.bend).mul_sub(inverse * low.below, j0 * low.bend * (inverse * high.below));
+            along_j * step_i * (-2.0 * side_k * self.sides[i])
+        } else {
+            // Close to the nearer plane its edge dominates, and its offset is small.
+            let nearer = step_j.where_at_least(0.0, j1, j0) * step_j;
+            let (low_j, high_j) = (nearer.mul_sub(low.bend, low.rest), nearer.mul_sub(high.bend, high.rest));
+            high_j.mul_sub(w_high, low_j * w_low) * factor
+        };
+        [along_i * factor, along_j, along_k * (0.5 * factor)]
     }
 
     /// 4 pi T_bbc, 4 pi T_bcc and 4 pi T_abc of a rod, by differentiation of its T_bc.

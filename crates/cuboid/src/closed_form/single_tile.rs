@@ -70,6 +70,19 @@ impl ClosedForm {
         CornerGeometry { planes, distances }
     }
 
+    /// Twice the offsets of points from the centre of the cuboid, scaled. The offsets from its faces
+    /// have lost the last digits of small ones.
+    #[inline(always)]
+    pub fn twice_from_centre<N: Functions>(&self, simd: N::Instructions, point: [N; 3]) -> [N; 3] {
+        let mut steps = [N::splat(simd, 0.0); 3];
+        for (axis, (step, [low, high])) in steps.iter_mut().zip(self.planes).enumerate() {
+            let (coordinate, centre) = (point[self.axes[axis]], TwoSum::new(low[0], high[0]));
+            let rest = N::splat(simd, (low[1] + high[1]) - centre.lo * self.scale);
+            *step = ((coordinate + coordinate) - centre.hi).scale_add(self.scale, rest);
+        }
+        steps
+    }
+
     /// Numerator and denominator of the hyperbolic or circular tangent of half of 4 pi T, by
     /// element.
     #[inline(always)]
