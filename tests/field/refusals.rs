@@ -119,3 +119,47 @@ fn tolerance_near_round_off_is_kept_near_a_single_tile() {
         assert!(given.map_err(|errors| errors.0.len()) == Ok(exact), "points are refused");
     }
 }
+
+/// Faces within eight roundings of each other become one. Far from the origin this changes a speck
+/// by a larger fraction of its size than a tolerance may allow.
+#[test]
+fn moved_faces_count_in_a_tolerance() {
+    let cube = Tile::new(DVec3::X * 1000.0, DVec3::ONE, DVec3::new(1e-9, 0.0, 2e-9)).expect("a valid tile");
+    let mut oracle = Oracle::for_moderate_scenes();
+    let (mut served, mut refused, mut largest) = (0, 0, 0.0_f64);
+    for n in 0..12 {
+        let turn = f64::from(n);
+        let side = 1e-5 * 10_f64.powf(0.25 * turn);
+        let j = DVec3::new(turn.sin(), turn.cos(), 0.5);
+        let speck = Tile::new(DVec3::new(1000.5 + 0.5 * side, 0.1, 0.2), DVec3::splat(side), j).expect("a valid tile");
+        let tiles = [cube, speck];
+        let points: Vec<DVec3> = (0..6)
+            .map(|k| {
+                let place = DVec3::new(0.6 + f64::from(k), (1.3 * turn).sin(), (0.7 * turn + f64::from(k)).cos());
+                speck.position() + side * place
+            })
+            .collect();
+        let exact: Vec<DVec3> = points.iter().map(|&point| field_and_magnitude(&mut oracle, &tiles, point).0).collect();
+        for decades in 1..13 {
+            let fraction = 10_f64.powi(-decades);
+            let tolerance = Accuracy::Within(Tolerance::relative(fraction).expect("above zero"));
+            let mut found = vec![DVec3::ZERO; points.len()];
+            let _ = Scene::new(&tiles).with_accuracy(tolerance).field_into(Quantity::FluxDensity, &points, &mut found);
+            for (found, exact) in found.into_iter().zip(&exact) {
+                if found.is_nan() {
+                    refused += 1;
+                    // Eight roundings of the coordinate, for each of two faces and twice, over the
+                    // side.
+                    let moved = 32.0 * 1001.0 * 0.5 * f64::EPSILON / side;
+                    assert!(fraction < 20.0 * (moved + EXACT_BOUND), "{fraction:e} refused with {side}");
+                    continue;
+                }
+                served += 1;
+                let error = (found - exact).length() / exact.length();
+                largest = largest.max(error);
+                assert!(error <= fraction, "{error:e} off within {fraction:e}, with {side}");
+            }
+        }
+    }
+    assert!(served > 300 && refused > 100 && largest > 1e-10, "{served}, {refused}, {largest:e}");
+}

@@ -5,7 +5,9 @@ use magsplice_simd::compensated_sum::TwoSum;
 use magsplice_simd::power_of_two::power_of_two_reciprocal;
 
 use crate::scalar::offsets::Offsets;
-use crate::tolerances::{FACE_NUDGE, RESOLVED_THICKNESS, SMALLEST_NUDGE, VANISHING_SIZE};
+use crate::tolerances::{
+    EXACT_BOUND, FACE_NUDGE, MOVED_FACE_ERROR, RESOLVED_THICKNESS, SMALLEST_NUDGE, VANISHING_SIZE,
+};
 
 /// A cuboid aligned with its frame.
 #[derive(Clone, Debug)]
@@ -16,6 +18,8 @@ pub struct Block {
     pub faces: [[TwoSum; 2]; 3],
     /// Side lengths.
     pub size: [f64; 3],
+    /// Distance of each face from where its tile puts it, by joining with other faces.
+    pub moved: [[f64; 2]; 3],
     /// Polarization in the shared frame, in tesla.
     pub polarization_t: DVec3,
     /// Smallest distance of a point from a face.
@@ -59,7 +63,14 @@ impl Block {
             [TwoSum::new(centre[axis], -half), TwoSum::new(centre[axis], half)]
         });
         let nudge = (FACE_NUDGE * smallest_size).max(SMALLEST_NUDGE * size.max_element());
-        Block { tile, faces, size: size.to_array(), polarization_t, nudge }
+        Block { tile, faces, size: size.to_array(), moved: [[0.0; 2]; 3], polarization_t, nudge }
+    }
+
+    /// Error bound of the field over [`EXACT_BOUND`]: 1, and more where faces were moved.
+    pub fn error_weight(&self) -> f64 {
+        let moved = self.moved.iter().flatten().sum::<f64>();
+        let least = self.size.into_iter().fold(f64::INFINITY, f64::min);
+        1.0 + MOVED_FACE_ERROR * moved / least / EXACT_BOUND
     }
 
     /// Position of a point, scaled by a power of two so that the largest offset is between 1 and 2;

@@ -47,13 +47,13 @@ pub struct MagnitudeBound {
 
 impl MagnitudeBound {
     /// Prepares a tile. `roundoff` bounds the error of an offset from a face, in the unit of
-    /// lengths.
-    pub fn new(tile: &Tile, roundoff: f64) -> MagnitudeBound {
+    /// lengths. The bound is multiplied by `error_weight`.
+    pub fn new(tile: &Tile, error_weight: f64, roundoff: f64) -> MagnitudeBound {
         let longest = tile.size().max_element();
         let half_diagonal = 0.5 * longest * (tile.size() / longest).length();
         let sides = tile.size() / half_diagonal;
         let shape = Shape::from_sides(sides.to_array());
-        let j_t = tile.polarization_t().abs();
+        let j_t = tile.polarization_t().abs() * error_weight;
         let nearest = 1.0 / SERIES_BOUND_FROM;
         let tail = shape.mean_inverse_cube(nearest) - 1.0 - 2.0 * nearest.powi(2);
         let to_own = (tile.rotation() != DQuat::IDENTITY).then(|| DMat3::from_quat(tile.rotation().inverse()));
@@ -262,7 +262,7 @@ mod tests {
     }
 
     fn bounds(tile: &Tile, point: DVec3) -> Vec<f64> {
-        let bound = MagnitudeBound::new(tile, 1e-15);
+        let bound = MagnitudeBound::new(tile, 1.0, 1e-15);
         let at = |set: InstructionSet| {
             let level = set.detected().expect("available");
             dispatch!(level, simd => bound.at(simd, point.to_array().map(|c| Lanes::splat(simd, c))).lane(0))
@@ -326,7 +326,7 @@ mod tests {
                 excesses.push(bound / exact);
             }
             let gap = ((local * tile.size() + shift).abs() - 0.5 * tile.size()).max(DVec3::ZERO);
-            let beyond_t = MagnitudeBound::new(&tile, 1e-15).beyond_t(gap.length());
+            let beyond_t = MagnitudeBound::new(&tile, 1.0, 1e-15).beyond_t(gap.length());
             assert!(beyond_t >= exact, "{tile:?} at {point}: {beyond_t:e} is below {exact:e}");
         }
         excesses.sort_by(f64::total_cmp);
@@ -362,7 +362,7 @@ mod tests {
     fn bound_at_a_distance_is_that_of_the_elements_near_a_face() {
         let cube = Tile::new(DVec3::ZERO, DVec3::ONE, DVec3::Z).expect("valid");
         // The square root of 1/4 + 2 (asinh(2) / 2 pi)^2.
-        let beyond_t = MagnitudeBound::new(&cube, 0.0).beyond_t(0.25);
+        let beyond_t = MagnitudeBound::new(&cube, 1.0, 0.0).beyond_t(0.25);
         assert!((beyond_t - 0.596_306).abs() < 1e-6, "{beyond_t}");
     }
 }

@@ -116,6 +116,12 @@ pub const DIRECT_DIAGONAL: f64 = 0.5;
 /// every single component of J of every tile.
 pub const EXACT_BOUND: f64 = 2e-14;
 
+/// Error of the field of a cuboid with a face moved by a fraction of its least side, over that
+/// fraction and the bound of its magnitude, at points at least a tenth of that side from its edges.
+/// The field of the thin layer between both places of the face is at most 1.51 of the bound for
+/// cubes, in tests with random points, and less for other shapes.
+pub const MOVED_FACE_ERROR: f64 = 2.0;
+
 /// Largest relative rounding error of a bound of the magnitude, from some hundred operations and
 /// the error of the elements.
 pub const MAGNITUDE_ROUNDING: f64 = 1e-12;

@@ -36,6 +36,8 @@ pub struct DirectSum {
     owners: Option<Arc<[usize]>>,
     /// The box around each tile.
     boxes: Vec<BoundingBox>,
+    /// See [`DirectSum::error_weights`].
+    error_weights: Vec<f64>,
     level: Level,
     /// Built when a tolerance first needs it.
     magnitudes: OnceLock<MagnitudeBounds>,
@@ -44,8 +46,14 @@ pub struct DirectSum {
 impl DirectSum {
     /// Prepares tiles.
     pub fn new(tiles: &[Tile], level: Level) -> DirectSum {
+        let frames = Frames::new(tiles);
+        let mut error_weights = vec![1.0; tiles.len()];
+        for block in frames.frames().iter().flat_map(|frame| &frame.unmerged) {
+            error_weights[block.tile] = block.error_weight();
+        }
         DirectSum {
-            frames: Frames::new(tiles),
+            frames,
+            error_weights,
             tiles: tiles.to_vec(),
             owners: None,
             boxes: tiles.iter().map(BoundingBox::from_tile).collect(),
@@ -79,13 +87,19 @@ impl DirectSum {
         &self.boxes
     }
 
+    /// The error bound of the field of each tile over
+    /// [`EXACT_BOUND`]: 1, and more for tiles with moved faces.
+    pub fn error_weights(&self) -> &[f64] {
+        &self.error_weights
+    }
+
     /// The vector instructions in use.
     pub fn level(&self) -> Level {
         self.level
     }
 
     pub(super) fn magnitudes(&self) -> &MagnitudeBounds {
-        self.magnitudes.get_or_init(|| MagnitudeBounds::new(&self.tiles))
+        self.magnitudes.get_or_init(|| MagnitudeBounds::new(&self.tiles, &self.error_weights))
     }
 
     /// The division of points into batches.
@@ -301,7 +315,8 @@ impl DirectSum {
     }
 
     /// Upper bounds, in tesla, of the sum over tiles of the magnitudes of the fields of the single
-    /// components of J. Points must be in range.
+    /// components of J, times their [error weights](DirectSum::error_weights). Points must be in
+    /// range.
     pub fn magnitudes_t(&self, points: &[DVec3]) -> Vec<f64> {
         let mut magnitudes_t = Column::default();
         self.magnitudes().write(self.level, points.iter().copied(), &mut magnitudes_t);

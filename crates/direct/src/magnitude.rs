@@ -1,5 +1,6 @@
 //! Upper bounds of the sum over tiles of the magnitudes of the fields of the single components of
-//! J. Error bounds of the exact field are relative to it (docs/physics.md, section 2.10).
+//! J. Error bounds of the exact field are relative to it (docs/physics.md, section 2.10). Tiles
+//! with moved faces have a larger weight in the sum.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
@@ -40,16 +41,16 @@ struct GroupBound {
 }
 
 impl MagnitudeBounds {
-    /// Prepares tiles.
-    pub fn new(tiles: &[Tile]) -> MagnitudeBounds {
+    /// Prepares tiles with their [error weights](magsplice_cuboid::block::Block::error_weight).
+    pub fn new(tiles: &[Tile], error_weights: &[f64]) -> MagnitudeBounds {
         let reach = |tile: &Tile| tile.position().abs().max_element().max(tile.size().max_element());
         let extent = tiles.iter().map(reach).fold(0.0, f64::max);
         let roundoff = 2.0 * ROTATED_SEAM_ROUNDINGS * UNIT_ROUNDOFF * extent;
         let centres: Vec<DVec3> = tiles.iter().map(Tile::position).collect();
         let order = neighbours_together(&centres, 0..tiles.len() as u32, &[TILES_PER_GROUP_BOUND]);
         let group = |members: &[u32]| {
-            let bound = |&index: &u32| MagnitudeBound::new(&tiles[index as usize], roundoff);
-            GroupBound::new(members.iter().map(bound).collect())
+            let bound = |index: usize| MagnitudeBound::new(&tiles[index], error_weights[index], roundoff);
+            GroupBound::new(members.iter().map(|&index| bound(index as usize)).collect())
         };
         let groups: Vec<GroupBound> = order.chunks(TILES_PER_GROUP_BOUND).map(group).collect();
         let largest_t = groups.iter().flat_map(|group| &group.tiles).map(MagnitudeBound::largest_t).sum();

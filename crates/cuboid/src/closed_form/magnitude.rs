@@ -17,7 +17,7 @@ pub struct MagnitudeTerms {
     by_trace: f64,
     /// The signs of T_aa and T_bb, by element.
     signs: [f64; 6],
-    /// Sum of |J_k|, in tesla.
+    /// Sum of |J_k| in tesla, times the block's error weight.
     j_t: f64,
 }
 
@@ -39,7 +39,7 @@ impl MagnitudeTerms {
             weights: [a + b, a + c, b + c, a, b, direct],
             by_trace: c - direct,
             signs: [0.0, 0.0, 0.0, sign(AA), sign(BB), 0.0],
-            j_t: sum_t,
+            j_t: sum_t * block.error_weight(),
         }
     }
 }

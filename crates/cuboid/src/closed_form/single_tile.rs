@@ -70,7 +70,7 @@ impl ClosedForm {
         CornerGeometry { planes, distances }
     }
 
-    /// Twice the offsets of points from the centre of the cuboid, scaled. The offsets from its faces
+    /// Twice the offsets of points from the centre of the cuboid, scaled. Offsets from its faces
     /// have lost the last digits of small ones.
     #[inline(always)]
     pub fn twice_from_centre<N: Functions>(&self, simd: N::Instructions, point: [N; 3]) -> [N; 3] {

@@ -177,6 +177,7 @@ impl Frames {
         for planes in planes {
             for (coordinate, [frame, block, own, upper]) in joined(planes) {
                 let block = &mut self.frames[frame].unmerged[block];
+                block.moved[own][upper] = coordinate.minus(block.faces[own][upper]).value().abs();
                 block.faces[own][upper] = coordinate;
                 block.size[own] = block.faces[own][1].minus(block.faces[own][0]).value();
             }

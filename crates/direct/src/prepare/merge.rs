@@ -45,6 +45,12 @@ fn merge_along(blocks: &mut [Option<Block>], axis: usize) {
             let Some(upper) = blocks[other].take() else { break };
             let block = blocks[index].as_mut().expect("the block that grows");
             block.faces[axis][1] = upper.faces[axis][1];
+            block.moved[axis][1] = upper.moved[axis][1];
+            for across in [(axis + 1) % 3, (axis + 2) % 3] {
+                for (own, other) in block.moved[across].iter_mut().zip(upper.moved[across]) {
+                    *own = own.max(other);
+                }
+            }
             block.size[axis] = block.faces[axis][1].minus(block.faces[axis][0]).value();
             block.tile = block.tile.min(upper.tile);
         }

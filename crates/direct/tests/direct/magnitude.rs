@@ -20,7 +20,7 @@ fn tiles() -> Vec<Tile> {
 
 #[test]
 fn the_bound_at_a_point_depends_on_no_other_point() {
-    let bounds = MagnitudeBounds::new(&tiles());
+    let bounds = MagnitudeBounds::new(&tiles(), &[1.0; 33]);
     assert!(bounds.in_single_precision().any(|is_single| !is_single));
     let points: Vec<DVec3> = (0..400).map(|i| DVec3::new(0.3 * f64::from(i), 1.1, 0.2 * f64::from(i % 7))).collect();
     for set in InstructionSet::available() {

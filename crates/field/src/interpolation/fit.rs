@@ -192,12 +192,12 @@ fn allowed_error_t(direct: &DirectSum, region: &BoundingBox, mirrors: &Mirrors, 
 /// from the rounded coordinates of nodes and points.
 fn value_rounding_t(direct: &DirectSum, region: &BoundingBox) -> f64 {
     let moved = NODE_ROUNDING * (region.lower.abs().max(region.upper.abs()) + region.half_size()).length();
-    let of_tile = |(tile, around)| {
+    let of_tile = |((tile, around), weight)| {
         let distance = region.gap(around).length();
         // The derivative of a dipole's field is at most three times the bound of the field over r.
-        (EXACT_BOUND + 3.0 * moved / distance) * tile_field_bound_t(tile, distance)
+        (EXACT_BOUND * weight + 3.0 * moved / distance) * tile_field_bound_t(tile, distance)
     };
-    direct.tiles().iter().zip(direct.boxes()).map(of_tile).sum()
+    direct.tiles().iter().zip(direct.boxes()).zip(direct.error_weights()).map(of_tile).sum()
 }
 
 /// The nodes of a box at which the field is evaluated. Nodes on one side of a plane of symmetry are

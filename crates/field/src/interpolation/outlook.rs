@@ -22,10 +22,12 @@ pub(crate) fn is_promising(direct: &DirectSum, region: &BoundingBox, tolerance: 
         return false;
     }
     let half = region.half_size();
-    let (mut slowest, mut magnitude_t) = ([0.0_f64; 3], 0.0);
-    for (tile, around) in direct.tiles().iter().zip(direct.boxes()) {
+    let (mut slowest, mut magnitude_t, mut rounding_t) = ([0.0_f64; 3], 0.0, 0.0);
+    for ((tile, around), weight) in direct.tiles().iter().zip(direct.boxes()).zip(direct.error_weights()) {
         let gap = region.gap(around);
-        magnitude_t += tile_field_bound_t(tile, gap.length());
+        let own_t = tile_field_bound_t(tile, gap.length());
+        magnitude_t += own_t;
+        rounding_t += EXACT_BOUND * weight * own_t;
         for axis in (0..3).filter(|&axis| half[axis] > 0.0) {
             let gap = gap / half[axis];
             let aside = DVec2::new(gap[(axis + 1) % 3], gap[(axis + 2) % 3]).length();
@@ -44,7 +46,7 @@ pub(crate) fn is_promising(direct: &DirectSum, region: &BoundingBox, tolerance: 
         return false;
     }
     let amplified = expected.to_array().map(|count| 2.0 / PI * count.ln() + 1.0).iter().product::<f64>();
-    let rounding_t = EXACT_BOUND * magnitude_t * amplified;
+    let rounding_t = rounding_t * amplified;
     match tolerance {
         Tolerance::AbsoluteT { error_t, .. } => rounding_t <= error_t,
         Tolerance::Relative { fraction, .. } => {

@@ -21,6 +21,8 @@ pub(super) struct TreeBlock {
     pub(super) frame: usize,
     pub(super) polarization_t: DVec3,
     pub(super) half_diagonal: f64,
+    /// Error bound of its field over the bound of the exact field.
+    pub(super) error_weight: f64,
 }
 
 impl TreeBlock {

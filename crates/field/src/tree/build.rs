@@ -35,6 +35,7 @@ impl Tree {
                         frame: index,
                         polarization_t: frame.to_scene.vector(block.polarization_t),
                         half_diagonal: 0.5 * size.length(),
+                        error_weight: block.error_weight(),
                     }
                 });
                 unsorted.push(Some((blocks.collect(), index, source)));
@@ -77,7 +78,7 @@ impl Tree {
         let centre = expansion_centre(blocks);
         let radius = blocks.iter().map(|b| (b.centre - centre).length() + b.half_diagonal).fold(0.0, f64::max);
         let scale = power_of_two_reciprocal(radius);
-        let strength_t = blocks.iter().map(|block| block.strength_t(scale)).sum();
+        let strength_t = blocks.iter().map(|block| block.error_weight * block.strength_t(scale)).sum();
         let cost: f64 = self.items[items.clone()].iter().map(TreeItem::cost).sum();
         let node_cost = if self.is_flat(blocks) { FLAT_NODE_COST } else { NODE_COST };
         let highest = |cost: f64| {

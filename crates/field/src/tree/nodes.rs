@@ -46,7 +46,7 @@ pub(super) struct TreeNode {
     pub(super) bounds: BoundingBox,
     /// A power of two that brings the radius to order one. Scaled lengths are multiplied by it.
     pub(super) scale: f64,
-    /// The sum over tiles of |J| V / 4 pi in tesla, scaled.
+    /// The sum over tiles of |J| V / 4 pi in tesla, scaled, times their error weights.
     pub(super) strength_t: f64,
     /// Highest degree at which the expansion is faster than direct summation.
     pub(super) degree: usize,
@@ -95,16 +95,17 @@ impl NodeExpansion {
 }
 
 impl Tree {
-    /// Upper bound of the sum over a node's tiles of the magnitudes of their fields at points
-    /// outside its sphere or its box, in tesla. Infinite where points can be inside both.
+    /// Upper bound of the sum over a node's tiles of the magnitudes of their fields, times their
+    /// error weights, at points outside its sphere or its box, in tesla. Infinite where points can
+    /// be inside both.
     pub(super) fn node_field_bound_t(&self, node: usize, points: &BoundingBox) -> f64 {
         let of = &self.nodes[node];
         let gap = (of.distance(points) - of.radius * of.scale).max(points.gap(&of.bounds).length() * of.scale);
         2.0 * 3.0_f64.sqrt() * of.strength_t / gap.powi(3)
     }
 
-    /// Upper bound of the sum over a leaf's tiles of the magnitudes of their fields at any points,
-    /// in tesla. Returns a faster bound if it is at most `enough_t`.
+    /// Upper bound of the sum over a leaf's tiles of the magnitudes of their fields, times their
+    /// error weights, at any points, in tesla. Returns a faster bound if it is at most `enough_t`.
     pub(super) fn leaf_field_bound_t(&self, leaf: usize, points: &BoundingBox, enough_t: f64) -> f64 {
         let item = self.nodes[leaf].items.start;
         let node_bound_t = self.node_field_bound_t(leaf, points);
@@ -116,7 +117,7 @@ impl Tree {
                 - block.half_diagonal)
                 .max(0.0);
             let dipoles = (block.size / gap).element_product() / (2.0 * PI);
-            block.polarization_t.length() * 3.0_f64.sqrt() * dipoles.min(LARGEST_FIELD_OVER_J)
+            block.error_weight * block.polarization_t.length() * 3.0_f64.sqrt() * dipoles.min(LARGEST_FIELD_OVER_J)
         };
         self.blocks[self.items[item].blocks.clone()].iter().map(block_bound_t).sum()
     }
