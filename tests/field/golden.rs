@@ -4,7 +4,7 @@ use glam::DVec3;
 use magsplice_field::{InstructionSet, PointErrorCause, Quantity, Scene};
 use magsplice_tests::reference_tables::{self, ReferenceRow};
 
-/// Largest relative error of |B| at any row, the bound of `Scene`.
+/// Largest relative error of |B| at any row, a fifth of the bound of `Scene`.
 ///
 /// In the scalar kernel the error of an element of the tensor is about twenty roundings of 1.1e-16
 /// in the worst case. The vector kernels multiply it by the distance in sides of the tile, at most

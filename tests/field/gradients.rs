@@ -1,15 +1,11 @@
 //! The gradient of many tiles against the oracle.
 
 use glam::{DMat3, DQuat, DVec3};
-use magsplice_field::{Quantity, Scene, Tile};
+use magsplice_field::{GRADIENT_BOUND, Quantity, Scene, Tile};
 use magsplice_tests::cases;
 use magsplice_tests::oracle::Oracle;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-
-/// The bound of the gradient, as a fraction of the sum over tiles of the largest components of the
-/// gradients of the single components of J.
-const GRADIENT_BOUND: f64 = 2e-14;
 
 fn largest(gradient: DMat3) -> f64 {
     gradient.to_cols_array().into_iter().fold(0.0, |most, value| most.max(value.abs()))

@@ -2,7 +2,7 @@
 //! oracle.
 
 use glam::{DQuat, DVec3};
-use magsplice_field::{InstructionSet, MU_0, Quantity, Scene, Tile};
+use magsplice_field::{EXACT_BOUND, InstructionSet, MU_0, Quantity, Scene, Tile};
 use magsplice_tests::oracle::{Oracle, OracleField};
 use magsplice_tests::{cases, share};
 use proptest::prelude::*;
@@ -11,10 +11,7 @@ use proptest::test_runner::{Config, TestRunner};
 
 /// Largest error as a fraction of the sum, over tiles and components of J, of the magnitudes of the
 /// fields of each component, the bound of `Scene`.
-const WORST: f64 = 2e-14;
-
-/// [`WORST`] for one compact tile, at points inside or near it.
-const WORST_NEAR: f64 = 4e-15;
+const WORST: f64 = EXACT_BOUND;
 
 fn tile(position: DVec3, size: DVec3, j: DVec3) -> Tile {
     Tile::new(position, size, j).expect("a valid tile")
@@ -188,7 +185,7 @@ fn random_points_inside_and_near_a_tile() {
                 let magnitude: f64 = exact.iter().map(|field| own(field).length()).sum();
                 let error = (found - exact.iter().map(own).sum::<DVec3>()).length() / magnitude;
                 assert!(
-                    error <= WORST_NEAR,
+                    error <= WORST,
                     "{set:?}: {quantity:?} is off by {error:e} at {point} of a tile of {size}, J {j}"
                 );
             }

@@ -60,8 +60,9 @@ fn square_tile_is_the_sum_of_4_9_and_64_parts() {
         let parts = divided(&block(), counts);
         let scene = Scene::new(&parts);
         for point in generic_points() {
-            // The error of each part is 2e-14 of its own field. The coordinates of the parts are
-            // rounded, which moves faces by 1e-16 and changes B by this over the distance.
+            // The error of each part is below 1e-14 of its own field here. The coordinates of the
+            // parts are rounded, which moves faces by 1e-16 and changes B by this over the
+            // distance.
             let magnitudes: f64 = parts.iter().map(|&part| b(&Scene::new(&[part]), point).length()).sum();
             let allowed = 1e-14 * magnitudes;
             assert_abs_diff_eq!(b(&scene, point).distance(b(&whole, point)), 0.0, epsilon = allowed);

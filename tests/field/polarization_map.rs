@@ -1,7 +1,7 @@
 //! The linear map from polarizations to B, against the field of the scene.
 
 use glam::{DQuat, DVec3};
-use magsplice_field::{PointErrorCause, PolarizationMap, PolarizationMapError, Quantity, Scene, Tile};
+use magsplice_field::{EXACT_BOUND, PointErrorCause, PolarizationMap, PolarizationMapError, Quantity, Scene, Tile};
 use proptest::prelude::*;
 
 fn vector(reach: f64) -> impl Strategy<Value = DVec3> {
@@ -40,7 +40,7 @@ proptest! {
             let exact = field(&scene);
             let magnitude: f64 = components.iter().map(|scene| field(scene).length()).sum();
             // The bound of scenes for each side, plus the rounding of the sums.
-            let allowed = (2.0 * 2e-14 + 3.0 * tiles.len() as f64 * f64::EPSILON) * magnitude;
+            let allowed = (2.0 * EXACT_BOUND + 3.0 * tiles.len() as f64 * f64::EPSILON) * magnitude;
             prop_assert!((found[index] - exact).length() <= allowed, "{} is not {exact}", found[index]);
             for (component, value) in found[index].to_array().into_iter().enumerate() {
                 let row = map.row(index, component).iter();

@@ -1,15 +1,11 @@
 //! Rods, whose longest side is many times the others, alone and among other tiles.
 
 use glam::DVec3;
-use magsplice_field::{MU_0, Quantity, Scene, Tile};
+use magsplice_field::{EXACT_BOUND, MU_0, Quantity, Scene, Tile};
 use magsplice_tests::cases;
 use magsplice_tests::oracle::Oracle;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-
-/// The bound of the exact field, as a fraction of the sum over tiles of the magnitudes of the
-/// fields of the single components of J.
-const EXACT_BOUND: f64 = 2e-14;
 
 /// Rods on a lattice, some of them of equal J, and a cube at every fifth lattice point.
 fn bundle(random: &mut ChaCha8Rng) -> Vec<Tile> {

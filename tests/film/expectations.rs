@@ -63,13 +63,13 @@ fn any_changed_digit_of_the_published_film_breaks_its_expectations() {
     assert!(tried > 60, "{tried}");
 }
 
-/// The tolerance `within` = 1e-12 follows from the bound of `Scene`, 2e-14 of the sum of the
+/// The tolerance `within` = 1e-12 follows from the largest errors found, 2.5e-14 of the sum of the
 /// magnitudes of the fields of the single components of the tiles' polarization: two computations
-/// that keep it agree within the tolerance at every point of the baseline, for all instruction
-/// sets.
+/// with such errors agree within the tolerance at every point of the baseline, for all instruction
+/// sets. The bound of `Scene` is four times as large.
 #[test]
 fn baseline_holds_for_every_instruction_set() {
-    const BOUND: f64 = 2e-14;
+    const FOUND: f64 = 2.5e-14;
     let layout = Layout::parse(&published(), "published").unwrap();
     let within = layout.expectations.field.clone().unwrap().within;
     let baseline = baseline();
@@ -82,7 +82,7 @@ fn baseline_holds_for_every_instruction_set() {
             magnitude.iter_mut().zip(field).for_each(|(sum, b)| *sum += b.length());
         }
     }
-    let apart = magnitude.iter().zip(&baseline.field_t).map(|(sum, b)| 2.0 * BOUND * sum / b.length());
+    let apart = magnitude.iter().zip(&baseline.field_t).map(|(sum, b)| 2.0 * FOUND * sum / b.length());
     let apart = apart.fold(0.0, f64::max);
     assert!(apart <= within, "{apart:e}");
     // A tenth of the tolerance would be too tight.

@@ -1,19 +1,31 @@
 //! The gradient of one cuboid at points that share a method.
 
+use std::f64::consts::PI;
+
 use fearless_simd::prelude::*;
+use magsplice_simd::compensated_sum::TwoSum;
+use magsplice_simd::functions::Functions;
 use magsplice_simd::lanes::Lanes;
 use magsplice_simd::lanes::Number;
 
-use crate::block::Block;
+use crate::block::{Block, LocalPoint};
 use crate::closed_form::gradient::{COMPONENTS, GradientTerms};
+use crate::closed_form::near_edge::{Interior, offsets_and_steps};
+use crate::closed_form::positive::Octant;
 use crate::closed_form::single_tile::ClosedForm;
 use crate::method::MethodRanges;
 use crate::series::coefficients::Series;
 use crate::series::multipole::{Distant, TruncatedSeries};
 use crate::shape::Shape;
+use crate::tolerances::POSITIVE_REACH;
 
 /// One cuboid prepared for its gradient in vectors.
 pub struct GradientEvaluator<'a> {
+    /// The points of [`GradientMethod::Near`].
+    near: Interior,
+    /// The points of [`GradientMethod::Positive`].
+    around: Interior,
+    positive: PositiveTerms,
     closed_form: ClosedForm,
     terms: GradientTerms,
     distant: &'a Distant,
@@ -21,9 +33,36 @@ pub struct GradientEvaluator<'a> {
     highest_order: usize,
 }
 
+/// A cuboid's data for the gradient by [`Octant`].
+pub(crate) struct PositiveTerms {
+    faces: [[TwoSum; 2]; 3],
+    scale: f64,
+    /// Sides, scaled.
+    size: [f64; 3],
+    /// J / 2 pi in tesla, times the scale.
+    weights: [f64; 3],
+}
+
+impl PositiveTerms {
+    /// The terms of a block whose lengths `scale` brings to order one.
+    pub(crate) fn new(block: &Block, scale: f64) -> PositiveTerms {
+        let weights = block.polarization_t.to_array().map(|j| j * scale / (2.0 * PI));
+        PositiveTerms { faces: block.faces, scale, size: block.size.map(|side| side * scale), weights }
+    }
+
+    /// Adds the gradient at a vector of points.
+    #[inline(always)]
+    pub(crate) fn add<N: Functions>(&self, simd: N::Instructions, point: [N; 3], sum: &mut [N; COMPONENTS]) {
+        let (offsets, steps) = offsets_and_steps(simd, &self.faces, self.scale, point);
+        Octant::differentiated(simd, offsets, steps, self.size).add_gradient(simd, self.weights, sum);
+    }
+}
+
 /// A method for the gradient in vectors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GradientMethod {
+    /// The differentiated sums of positive terms, off the planes of the faces.
+    Positive,
     /// The closed form inside and close to a cuboid, off the planes of its faces.
     Near,
     /// The closed form, in the range of the field's closed form.
@@ -41,9 +80,13 @@ impl<'a> GradientEvaluator<'a> {
         series: &'a Series,
     ) -> GradientEvaluator<'a> {
         let form = Shape::new(block, ranges.scale).form();
+        let terms = GradientTerms::from_block(block, ranges.scale, form);
         GradientEvaluator {
+            near: Interior::new(block).within(terms.near_reach() / ranges.scale),
+            around: Interior::new(block).within(POSITIVE_REACH / ranges.scale),
+            positive: PositiveTerms::new(block, ranges.scale),
             closed_form: ClosedForm::new(block, ranges.scale, form),
-            terms: GradientTerms::from_block(block, ranges.scale, form),
+            terms,
             distant,
             series,
             highest_order: ranges.highest_order(),
@@ -55,9 +98,11 @@ impl<'a> GradientEvaluator<'a> {
         self.terms.has_closed_form()
     }
 
-    /// Whether the closed form keeps its bound inside and close to the cuboid.
-    pub fn has_near_form(&self) -> bool {
-        self.terms.has_near_form()
+    /// The method for a point at which the field has no method in vectors, or no closed form with a
+    /// gradient; `None` near the planes of the faces and far away.
+    pub fn method_near(&self, point: &LocalPoint) -> Option<GradientMethod> {
+        let method = if self.near.covers(point) { GradientMethod::Near } else { GradientMethod::Positive };
+        (self.terms.is_resolved() && self.around.covers(point)).then_some(method)
     }
 
     /// The gradient of B in tesla per length, in the frame of the cuboid, at points given by axis
@@ -82,6 +127,7 @@ impl<'a> GradientEvaluator<'a> {
                     ];
                     let mut sum = [Lanes::splat(simd, 0.0); COMPONENTS];
                     match method {
+                        GradientMethod::Positive => self.positive.add(simd, point, &mut sum),
                         GradientMethod::Near => {
                             let place = self.closed_form.place(simd, point);
                             let steps = self.closed_form.twice_from_centre(simd, point);

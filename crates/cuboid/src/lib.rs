@@ -42,5 +42,8 @@ pub mod tolerances;
 pub use face_derivatives::FaceDerivatives;
 pub use face_hessian::FaceHessian;
 
+/// Numbers that carry their rounding error, and the error analysis of every form.
+#[cfg(test)]
+mod rounding;
 #[cfg(test)]
 mod tests;

@@ -9,14 +9,16 @@ use magsplice_simd::prefetch::Prefetch;
 
 use crate::block::{Block, LocalPoint};
 use crate::closed_form::gradient::COMPONENTS;
-use crate::closed_form::near_edge::{Interior, NearEdge};
+use crate::closed_form::near_edge::NearEdges;
 use crate::evaluator::Evaluator;
 use crate::gradient_evaluator::{GradientEvaluator, GradientMethod};
 use crate::method::{CLOSED_FORM, FIRST_FAR, MOST_FAR, Method, MethodRanges, SMALL_ELEMENTS};
 use crate::scalar::kernel::{FieldKind, cuboid_field, cuboid_gradient};
 use crate::series::coefficients::Series;
 use crate::series::multipole::{Distant, TruncatedSeries};
-use crate::tolerances::{EXACT_BOUND, HIGHEST_ORDER, MAGNITUDE_ROUNDING, MULTIPOLE_ORDERS, SMALL_ANGLE};
+use crate::tolerances::{
+    EXACT_BOUND, GRADIENT_BOUND, HIGHEST_ORDER, MAGNITUDE_ROUNDING, MULTIPOLE_ORDERS, SMALL_ANGLE,
+};
 
 fn levels() -> Vec<Level> {
     InstructionSet::available().into_iter().map(|set| set.detected().expect("available")).collect()
@@ -209,7 +211,7 @@ fn points_close_to_plates_and_strips_keep_the_error_bound() {
             (size[axis], size[(axis + 1) % 3]) = (thickness, width);
             for j in [DVec3::X, DVec3::Y, DVec3::Z, DVec3::new(0.3, -0.5, 0.7)] {
                 let block = Block::new(0, DVec3::ZERO, size, j, thickness);
-                let near = NearEdge::new(&block, FieldKind::Density).expect("not too thin");
+                let near = NearEdges::new(&block, FieldKind::Density);
                 for n in 0..300_u32 {
                     let turn = f64::from(n);
                     let distance = 0.081 * thickness * (1.0 / thickness).powf((0.618 * turn).fract());
@@ -224,9 +226,7 @@ fn points_close_to_plates_and_strips_keep_the_error_bound() {
                     let face = n as usize / 3 % 3;
                     point[face] = (0.5 * size[face] + distance).copysign(place[face]);
                     let at = LocalPoint { coordinates: point.to_array(), roundoff: [0.0; 3] };
-                    if !near.covers(&at) {
-                        continue;
-                    }
+                    let Some(form) = near.form(&at) else { continue };
                     count += 1;
                     let placed = block.place(&at).expect("near enough");
                     let of = |j: DVec3| DVec3::from(cuboid_field(&placed.offsets, j.to_array(), FieldKind::Density));
@@ -236,7 +236,7 @@ fn points_close_to_plates_and_strips_keep_the_error_bound() {
                         let axes = point.to_array().map(|coordinate| [coordinate; PAIR]);
                         let axes = axes.each_ref().map(|axis| &axis[..]);
                         let written = field.each_mut().map(|values| &mut values[..]);
-                        dispatch!(level, simd => near.fields(simd, axes, written));
+                        dispatch!(level, simd => near.fields(simd, form, axes, written));
                         let error = (DVec3::from(field.map(|values| values[0])) - of(j)).length() / magnitude;
                         worst = worst.max(error);
                         assert!(error <= EXACT_BOUND, "{size}, {j}, {level:?}: {error:e} at {point}");
@@ -253,9 +253,9 @@ fn points_close_to_plates_and_strips_keep_the_error_bound() {
 /// cuboids, beside rods, and by each order of the series.
 #[test]
 fn gradient_in_vectors_keeps_the_error_bound() {
-    let mut counts = [0; 3];
+    let mut counts = [0; 4];
     let mut worst = 0.0_f64;
-    for size in [[1.0; 3], [1.0, 3.3, 1.0], [0.4, 0.3, 1.0], [2.0, 2.0, 1e-3], [1.0, 0.2, 8.0], [30.0, 1.0, 0.5]] {
+    for size in [[1.0; 3], [1.0, 3.3, 1.0], [0.4, 0.3, 1.0], [2.0, 2.0, 1e-3], [1.0, 0.2, 8.0], [31.0, 1.0, 0.5]] {
         for j in [DVec3::X, DVec3::Y, DVec3::Z, DVec3::new(0.3, -0.5, 0.7)] {
             let size = DVec3::from(size);
             let block = Block::new(0, DVec3::ZERO, size, j, size.min_element());
@@ -263,7 +263,6 @@ fn gradient_in_vectors_keeps_the_error_bound() {
             let series = Series::new(size.to_array(), ranges.highest_order());
             let distant = Distant::new(&block, ranges.scale);
             let evaluator = GradientEvaluator::new(&block, &ranges, &distant, &series);
-            let interior = Interior::new(&block);
             for n in 0..600_u32 {
                 let turn = f64::from(n);
                 let place = DVec3::new((0.754 * turn).fract(), (0.569 * turn).fract(), (0.311 * turn).fract()) - 0.5;
@@ -274,13 +273,16 @@ fn gradient_in_vectors_keeps_the_error_bound() {
                 let method = match index.map(|index| ranges.method(index)) {
                     Some(Method::Series { order }) => GradientMethod::Series(order),
                     Some(_) if evaluator.has_closed_form() => GradientMethod::ClosedForm,
-                    None if evaluator.has_near_form() && interior.covers(&at) => GradientMethod::Near,
-                    _ => continue,
+                    _ => match evaluator.method_near(&at) {
+                        Some(method) => method,
+                        None => continue,
+                    },
                 };
                 counts[match method {
                     GradientMethod::Near => 0,
                     GradientMethod::ClosedForm => 1,
                     GradientMethod::Series(_) => 2,
+                    GradientMethod::Positive => 3,
                 }] += 1;
                 let placed = block.place(&at).expect("near enough");
                 let of =
@@ -298,14 +300,14 @@ fn gradient_in_vectors_keeps_the_error_bound() {
                     for ([row, column], values) in places.into_iter().zip(components) {
                         let error = (values[0] - exact[row][column]).abs() / magnitude;
                         worst = worst.max(error);
-                        assert!(error <= EXACT_BOUND, "{size}, {j}, {level:?}, {method:?}: {error:e} at {point}");
+                        assert!(error <= GRADIENT_BOUND, "{size}, {j}, {level:?}, {method:?}: {error:e} at {point}");
                     }
                 }
             }
         }
     }
     println!("largest error over the gradient: {worst:e}");
-    assert!(counts.iter().all(|count| *count > 500) && worst > 1e-15, "{counts:?}, {worst:e}");
+    assert!(counts.iter().all(|count| *count > 300) && worst > 1e-15, "{counts:?}, {worst:e}");
 }
 
 /// A point off the surface of a rod by 0.09 of the second side, which is 1, up to the longest side.

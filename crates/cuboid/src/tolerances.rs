@@ -36,19 +36,36 @@ pub const RESOLVED_THICKNESS: f64 = 16.0;
 pub const NEAR_FRACTION: f64 = 0.08;
 
 /// Smallest ratio of the shortest to the longest side for which points inside and nearer are
-/// evaluated in vectors. No column of the tensor is then so small there that the round-off of the
-/// terms matters.
-pub const NEAR_EDGE_ASPECT: f64 = 0.1;
+/// evaluated by a term for each edge and corner. No column of the tensor is then so small there
+/// that the round-off of the terms matters. At 0.1 their rounding would exceed [`EXACT_BOUND`].
+pub const NEAR_EDGE_ASPECT: f64 = 0.125;
+
+/// Smallest distance from a plate or a rod, as a fraction of its second side, for its form of
+/// half-infinite rods. Nearer to an edge its error grows like 1 / distance.
+pub const THIN_FROM: f64 = 3e-3;
 
 /// Largest ratio of the longest to the second side for the closed form of the gradient in vectors.
 /// Beside the middle of a rod the contributions of its ends cancel up to the inverse of that ratio.
-/// The largest error found at this ratio is 1.6e-14.
 pub const LONGEST_GRADIENT_ROD: f64 = 30.0;
 
-/// Smallest ratio of the shortest to the longest side for which the gradient at points inside and
-/// close to a cuboid is computed in vectors. In flatter cuboids more cancels around the centre,
-/// where the gradient vanishes. The largest error found at this ratio is 1.3e-14.
+/// Smallest ratio of the shortest to the longest side for which the fast form of the gradient close
+/// to a cuboid reaches [`NEAR_FRACTION`] of the longest side. In flatter cuboids it reaches that
+/// fraction of the shortest side: it loses the ratio of the distance to that side.
 pub const NEAR_GRADIENT_ASPECT: f64 = 0.3;
+
+/// Smallest ratio of the shortest to the longest side for the gradient in vectors close to a
+/// cuboid: products of twenty lengths are normal numbers.
+pub const THINNEST_GRADIENT: f64 = power_of_two(-20);
+
+/// Largest distance from a plate or a rod along an axis, in shortest sides, for the field by sums
+/// of positive terms. Beyond a rim the arctangents of its two corners cancel up to the square of
+/// that ratio. The scalar kernel evaluates points from here up to [`THIN_FROM`], beside plates
+/// thinner than 1 : 1e-4.
+pub const POSITIVE_FIELD_REACH: f64 = 30.0;
+
+/// Largest distance from a cuboid along an axis, scaled so that the longest side is between 1 and
+/// 2, for the gradient by sums of positive terms. The series of all cuboids begin nearer.
+pub const POSITIVE_REACH: f64 = 32.0;
 
 /// Smallest ratio of the shortest to the longest side for which points close to a plate or a rod
 /// are evaluated in vectors: squares of distances stay in the range of
@@ -114,7 +131,17 @@ pub const DIRECT_DIAGONAL: f64 = 0.5;
 
 /// Error bound of the exact field, as a fraction of the sum of the magnitudes of the fields of
 /// every single component of J of every tile.
-pub const EXACT_BOUND: f64 = 2e-14;
+///
+/// Every form of the field of a tile stays below it for any roundings of its operations, by the
+/// error analysis of docs/accuracy.md, which is a test. The largest bound found is 8.7e-14, beside
+/// plates. Roundings are rarely at their worst at once: the largest error found is 2.5e-14.
+pub const EXACT_BOUND: f64 = 1e-13;
+
+/// Error bound of the gradient, as a fraction of the sum of the largest components of the gradients
+/// of every single component of J of every tile.
+///
+/// It follows from the same analysis. The largest bound found is 2.3e-13, beside rods of aspect 25.
+pub const GRADIENT_BOUND: f64 = 3e-13;
 
 /// Error of the field of a cuboid with a face moved by a fraction of its least side, over that
 /// fraction and the bound of its magnitude, at points at least a tenth of that side from its edges.

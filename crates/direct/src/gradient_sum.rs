@@ -7,10 +7,10 @@ use fearless_simd::{Level, dispatch};
 use glam::{DMat3, DVec3};
 use magsplice_cuboid::block::{Block, LocalPoint};
 use magsplice_cuboid::closed_form::gradient::COMPONENTS;
-use magsplice_cuboid::closed_form::near_edge::Interior;
 use magsplice_cuboid::gradient_evaluator::{GradientEvaluator, GradientMethod};
 use magsplice_cuboid::method::{CLOSED_FORM, Method, MethodIndex, SMALL_ELEMENTS};
 use magsplice_cuboid::scalar::kernel::cuboid_gradient;
+use magsplice_expansion::tolerances::{HIGHEST_DEGREE, POINTS_PER_DEGREE};
 use magsplice_simd::column::{Column, views};
 use magsplice_simd::compensated_sum::RunningSum;
 
@@ -20,9 +20,9 @@ use super::edges::EdgesAtPoint;
 use super::sorted_points::SortedPoints;
 use crate::prepare::clusters::Cluster;
 use crate::prepare::frames::{Frame, Frames};
+use crate::tolerances::FURTHER_DEGREES;
 
 /// Buffers for a batch of points; none of them grows with the number of tiles.
-#[derive(Default)]
 pub struct GradientSum {
     points: Coordinates,
     /// The points in the current frame.
@@ -35,8 +35,8 @@ pub struct GradientSum {
     gathered: Coordinates,
     /// The points near a cluster.
     gathered_near: Coordinates,
-    /// The points inside a tile or close to it, off the planes of its faces.
-    near: Vec<u32>,
+    /// The points at which the field's closed form has no gradient, by method.
+    near: [(GradientMethod, Vec<u32>); 2],
     /// The gradient of one tile or cluster, in its frame.
     gradients: [Column; COMPONENTS],
 }
@@ -62,10 +62,25 @@ impl FrameSum<'_> {
 }
 
 impl GradientSum {
+    fn new() -> GradientSum {
+        GradientSum {
+            points: Coordinates::default(),
+            local: Coordinates::default(),
+            sums: Vec::new(),
+            edges: BTreeMap::new(),
+            sorted: SortedPoints::default(),
+            sorted_by_tile: SortedPoints::default(),
+            gathered: Coordinates::default(),
+            gathered_near: Coordinates::default(),
+            near: [(GradientMethod::Near, Vec::new()), (GradientMethod::Positive, Vec::new())],
+            gradients: Default::default(),
+        }
+    }
+
     /// Calls `work` with the buffers of the calling thread.
     pub fn with_buffers<R>(work: impl FnOnce(&mut GradientSum) -> R) -> R {
         thread_local! {
-            static BUFFERS: RefCell<GradientSum> = RefCell::default();
+            static BUFFERS: RefCell<GradientSum> = RefCell::new(GradientSum::new());
         }
         BUFFERS.with_borrow_mut(work)
     }
@@ -120,6 +135,11 @@ impl GradientSum {
                     dispatch!(of.level, simd => cluster_gradients(simd, corners, views(axes), gradients));
                     self.add_gradients(of.frame, points);
                 }
+                (method, Some(_)) if matches!(cluster.ranges.method(method), Method::Expansion { .. }) => {
+                    self.gathered.gather(of.local, points);
+                    self.set_by_expansions(of, cluster, cluster.ranges.method(method));
+                    self.add_gradients(of.frame, points);
+                }
                 (_, Some(_)) => {
                     let mut sorted_by_tile = std::mem::take(&mut self.sorted_by_tile);
                     self.gathered_near.gather(of.local, points);
@@ -137,6 +157,28 @@ impl GradientSum {
         self.sorted = sorted;
     }
 
+    /// Sets the gradients of a cluster at the gathered points by the expansions of the derivatives
+    /// of its potential.
+    fn set_by_expansions(&mut self, of: FrameSum, cluster: &Cluster, method: Method) {
+        let Method::Expansion { degree } = method else { unreachable!("{method:?} is no expansion") };
+        let points = &self.gathered.axes;
+        let degree = (degree + FURTHER_DEGREES).min(HIGHEST_DEGREE);
+        let degrees = vec![degree; points[0].len().div_ceil(POINTS_PER_DEGREE)];
+        let [by_x, by_y] = cluster.slopes(of.level, &of.frame.blocks);
+        let [xx, yy, zz, yz, xz, xy] = room(&mut self.gradients, points[0].len());
+        dispatch!(of.level, simd => {
+            by_x.fields(simd, &degrees, views(points), [&mut *zz, &mut *xy, &mut *xz]);
+            by_y.fields(simd, &degrees, views(points), [&mut *xx, &mut *yy, &mut *yz]);
+        });
+        // The first call wrote xx to zz, and the second xy to xx.
+        let scale = cluster.ranges.scale;
+        for ((xx, zz), yy) in xx.iter_mut().zip(zz.iter_mut()).zip(yy.iter_mut()) {
+            (*xx, *yy) = (*zz * scale, *yy * scale);
+            *zz = -(*xx + *yy);
+        }
+        [yz, xz, xy].into_iter().flatten().for_each(|component| *component *= scale);
+    }
+
     /// Adds one tile at the chosen points.
     fn add_tile(&mut self, of: FrameSum, index: usize, method: MethodIndex, chosen: &[u32]) {
         let (tables, block) = (&of.frame.clusters, &of.frame.blocks[index]);
@@ -148,24 +190,21 @@ impl GradientSum {
             Method::ClosedForm | Method::SmallElements if evaluator.has_closed_form() => {
                 self.add_in_vectors(of, &evaluator, GradientMethod::ClosedForm, chosen);
             }
-            Method::Scalar if evaluator.has_near_form() => {
-                let interior = Interior::new(block);
-                let mut near = std::mem::take(&mut self.near);
-                near.clear();
+            Method::Scalar | Method::ClosedForm | Method::SmallElements => {
+                let none = [GradientMethod::Near, GradientMethod::Positive].map(|method| (method, Vec::new()));
+                let mut near = std::mem::replace(&mut self.near, none);
+                near.iter_mut().for_each(|(_, points)| points.clear());
                 for &index in chosen {
-                    if interior.covers(&of.local_point(index)) {
-                        near.push(index);
-                    } else {
-                        self.add_by_scalar_kernel(of, block, index);
+                    let method = evaluator.method_near(&of.local_point(index));
+                    match near.iter_mut().find(|(of, _)| Some(*of) == method) {
+                        Some((_, points)) => points.push(index),
+                        None => self.add_by_scalar_kernel(of, block, index),
                     }
                 }
-                if !near.is_empty() {
-                    self.add_in_vectors(of, &evaluator, GradientMethod::Near, &near);
+                for (method, points) in near.iter().filter(|(_, points)| !points.is_empty()) {
+                    self.add_in_vectors(of, &evaluator, *method, points);
                 }
                 self.near = near;
-            }
-            Method::Scalar | Method::ClosedForm | Method::SmallElements => {
-                chosen.iter().for_each(|&index| self.add_by_scalar_kernel(of, block, index));
             }
             Method::Series { order } => {
                 self.add_in_vectors(of, &evaluator, GradientMethod::Series(order), chosen);

@@ -1,5 +1,6 @@
 //! Queues of points until whole vectors of them share a method.
 
+use magsplice_cuboid::closed_form::near_edge::NEAR_FORMS;
 use magsplice_cuboid::method::{FIRST_FAR, MethodIndex};
 use magsplice_cuboid::tolerances::MULTIPOLE_ORDERS;
 use magsplice_simd::lanes::{LONGEST_VECTOR, PAIR};
@@ -8,9 +9,9 @@ pub use crate::tolerances::STREAMED_POINTS;
 
 /// Number of methods of a single tile.
 pub const METHODS: usize = FIRST_FAR as usize + MULTIPOLE_ORDERS.len();
-/// Index of a queue for one further method, defined by the caller.
+/// Index of the first queue for further methods, defined by the caller.
 pub const OWN_QUEUE: MethodIndex = METHODS as MethodIndex;
-const QUEUES: usize = METHODS + 1;
+const QUEUES: usize = METHODS + NEAR_FORMS;
 
 /// Capacity of a queue: the points remaining after an evaluation, one block of points, and padding.
 /// One more cache line keeps the queues from starting at addresses that exclude each other in the

@@ -7,7 +7,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
 use glam::DVec3;
 use magsplice_cuboid::block::LocalPoint;
-use magsplice_cuboid::closed_form::near_edge::NearEdge;
+use magsplice_cuboid::closed_form::near_edge::{NEAR_FORMS, NearEdges};
 use magsplice_cuboid::evaluator::Evaluator;
 use magsplice_cuboid::method::{FIRST_FAR, MethodIndex, SCALAR};
 use magsplice_cuboid::scalar::kernel::FieldKind;
@@ -22,7 +22,8 @@ use super::queues::{OWN_QUEUE, Queues};
 use crate::prepare::frames::{Frame, Frames};
 use crate::tolerances::{FETCHED_AHEAD, STREAMED_POINTS};
 
-/// Index of the method [`NearEdge`] for points close to the tile but off the planes of its faces.
+/// Index of the first form of [`NearEdges`], for points close to the tile but off the planes of its
+/// faces.
 const NEAR_EDGE: MethodIndex = OWN_QUEUE;
 
 /// Buffers for the current points. They do not grow with the number of points.
@@ -48,7 +49,7 @@ struct Work<'a> {
     kind: FieldKind,
     points: &'a [DVec3],
     tile: &'a Evaluator<'a>,
-    near_edge: Option<&'a NearEdge>,
+    near_edge: &'a NearEdges,
 }
 
 impl SingleTile {
@@ -67,9 +68,9 @@ impl SingleTile {
     ) -> bool {
         let mut made = None;
         let tile = frame.clusters.evaluator(&frame.blocks, 0, &mut made);
-        let near_edge = NearEdge::new(&frame.blocks[0], kind);
+        let near_edge = NearEdges::new(&frame.blocks[0], kind);
         self.queues.clear();
-        let work = Work { frames, frame, kind, points, tile: &tile, near_edge: near_edge.as_ref() };
+        let work = Work { frames, frame, kind, points, tile: &tile, near_edge: &near_edge };
         (self.finite, self.asked) = (true, 0);
         dispatch!(level, simd => self.run(simd, work, field, magnitudes_t, edges));
         self.finite
@@ -86,7 +87,8 @@ impl SingleTile {
     ) {
         room(&mut self.fields, STREAMED_POINTS + PAIR);
         self.magnitudes_t.set_len(STREAMED_POINTS + PAIR);
-        let methods = (SCALAR + 1..=work.tile.ranges().last_index()).chain([NEAR_EDGE]);
+        let methods =
+            (SCALAR + 1..=work.tile.ranges().last_index()).chain(NEAR_EDGE..NEAR_EDGE + NEAR_FORMS as MethodIndex);
         let stretches = work.points.len().div_ceil(STREAMED_POINTS);
         // One more pass than there are blocks empties the queues.
         for number in 0..=stretches {
@@ -147,8 +149,8 @@ impl SingleTile {
             let (place, coordinates) = self.queues.at(SCALAR, waiting);
             let roundoff = work.frames.roundoff(work.frame, work.points[place]);
             let at = LocalPoint { coordinates, roundoff };
-            if work.near_edge.is_some_and(|near_edge| near_edge.covers(&at)) {
-                self.queues.join(NEAR_EDGE, place, coordinates);
+            if let Some(form) = work.near_edge.form(&at) {
+                self.queues.join(NEAR_EDGE + form as MethodIndex, place, coordinates);
             } else {
                 let block = &work.frame.blocks[0];
                 self.finite = false;
@@ -172,9 +174,11 @@ impl SingleTile {
         let points = self.queues.points(method).map(|axis| &axis[..count.next_multiple_of(PAIR)]);
         let [fx, fy, fz] = self.fields.each_mut().map(|values| &mut values[..points[0].len()]);
         let mut ahead = Prefetch::new(work.points, field, self.asked);
-        match work.near_edge {
-            Some(near_edge) if method == NEAR_EDGE => near_edge.fields(simd, points, [&mut *fx, &mut *fy, &mut *fz]),
-            _ => {
+        match method.checked_sub(NEAR_EDGE) {
+            Some(form) => {
+                work.near_edge.fields(simd, usize::from(form), points, [&mut *fx, &mut *fy, &mut *fz]);
+            }
+            None => {
                 let fields = [&mut *fx, &mut *fy, &mut *fz];
                 match magnitudes_t.filter(|_| method < FIRST_FAR) {
                     None => work.tile.fields(simd, method, points, fields, &mut ahead),

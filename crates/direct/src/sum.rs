@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use fearless_simd::{Level, dispatch};
 use glam::DVec3;
 use magsplice_cuboid::block::LocalPoint;
-use magsplice_cuboid::closed_form::near_edge::NearEdge;
+use magsplice_cuboid::closed_form::near_edge::{NEAR_FORMS, NearEdges};
 use magsplice_cuboid::method::{CLOSED_FORM, Method, MethodIndex, SCALAR, SMALL_ELEMENTS};
 use magsplice_cuboid::scalar::kernel::FieldKind;
 use magsplice_cuboid::series::multipole::TruncatedSeries;
@@ -46,8 +46,8 @@ pub struct Sum {
     gathered: Coordinates,
     /// The points near a cluster.
     gathered_near: Coordinates,
-    /// The points close to the edges of a tile.
-    near_edge: Vec<u32>,
+    /// The points close to a tile, by form.
+    near_edge: [Vec<u32>; NEAR_FORMS],
     /// The field of one tile or cluster, in its frame.
     fields: [Column; 3],
     runs: Runs,
@@ -346,28 +346,30 @@ impl Sum {
     /// faces, else by the scalar kernel.
     fn add_near(&mut self, of: FrameSum, index: usize, chosen: &[u32]) {
         let block = &of.frame.blocks[index];
-        let near_edge = NearEdge::new(block, of.kind);
+        let near_edge = NearEdges::new(block, of.kind);
         let [x, y, z] = &of.local.axes;
-        self.near_edge.clear();
+        let mut of_forms = std::mem::take(&mut self.near_edge);
+        of_forms.iter_mut().for_each(Vec::clear);
         for &point in chosen {
             let index = point as usize;
             let at = LocalPoint {
                 coordinates: [x[index], y[index], z[index]],
                 roundoff: of.frames.roundoff(of.frame, of.points[index]),
             };
-            if near_edge.as_ref().is_some_and(|near_edge| near_edge.covers(&at)) {
-                self.near_edge.push(point);
+            if let Some(form) = near_edge.form(&at) {
+                of_forms[form].push(point);
             } else {
                 let own = near_field(block, &at, of.frame, of.kind, || self.edges.entry(index).or_default());
                 self.totals.add_one(index, own.to_array());
             }
         }
-        if let (Some(near_edge), false) = (near_edge, self.near_edge.is_empty()) {
-            self.gathered.gather(of.local, &self.near_edge);
+        for (form, chosen) in of_forms.iter().enumerate().filter(|(_, chosen)| !chosen.is_empty()) {
+            self.gathered.gather(of.local, chosen);
             let points = &self.gathered.axes;
             let fields = room(&mut self.fields, points[0].len());
-            dispatch!(of.level, simd => near_edge.fields(simd, views(points), fields));
-            self.totals.add_fields_at(of.level, of.frame.to_scene.rotation(), &mut self.fields, &self.near_edge);
+            dispatch!(of.level, simd => near_edge.fields(simd, form, views(points), fields));
+            self.totals.add_fields_at(of.level, of.frame.to_scene.rotation(), &mut self.fields, chosen);
         }
+        self.near_edge = of_forms;
     }
 }

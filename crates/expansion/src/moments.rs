@@ -113,6 +113,17 @@ impl Moments {
         Moments(translated)
     }
 
+    /// The moments of the potential's derivatives along x and y, up to the same degree.
+    pub fn slopes(&self) -> [Moments; 2] {
+        // Sources that move by a step change the potential by minus its derivative. Moments belong
+        // to conjugate harmonics, the harmonics of the point mirrored in y.
+        [DerivativeVector::X(-1.0), DerivativeVector::Y(1.0)].map(|along| {
+            let mut slope = Moments::new(self.degree());
+            slope.0.set_derivative(&self.0, along, self.degree());
+            slope
+        })
+    }
+
     /// The moments with all lengths multiplied by `factor`.
     pub fn rescaled(mut self, factor: f64) -> Moments {
         let mut power = factor * factor;

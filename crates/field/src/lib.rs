@@ -32,6 +32,7 @@ mod tree;
 mod within;
 
 pub use interpolation::fitted_field::{FittedField, FittedFieldError, LookUpError, LookUpErrors};
+pub use magsplice_cuboid::tolerances::{EXACT_BOUND, GRADIENT_BOUND};
 pub use magsplice_cuboid::{FaceDerivatives, FaceHessian};
 pub use magsplice_ideal::{Comparison, ComparisonError, IdealFilm, IdealFilmFault, IdealFilmFaults};
 pub use magsplice_magnet::{

@@ -25,13 +25,12 @@ use magsplice_direct::direct_sum::DirectSum;
 /// in ampere per metre.
 ///
 /// # Accuracy
-/// The error of B and H of a single unrotated tile is at most 2e-14 (typically 1e-15) of the sum of
-/// the magnitudes of the fields of the three components of J, at every point: far, near, beside
-/// thin tiles, on edge extensions and on faces (one-sided limits). Closer to the tile than 0.08 of
-/// its largest side it is at most 4e-15 of the sum. See docs/accuracy.md. In a scene the error is
-/// that fraction of the sum over tiles. In the frame of a rotated tile the point has an error of up
-/// to four units of round-off of its distance from the tiles with that orientation, and counts as
-/// on a face within that distance.
+/// The error of B and H of a single unrotated tile is at most [`EXACT_BOUND`](crate::EXACT_BOUND)
+/// (typically 1e-15) of the sum of the magnitudes of the fields of the three components of J, at
+/// every point: far, near, beside thin tiles, on edge extensions and on faces (one-sided limits).
+/// See docs/accuracy.md. In a scene the error is that fraction of the sum over tiles. In the frame
+/// of a rotated tile the point has an error of up to four units of round-off of its distance from
+/// the tiles with that orientation, and counts as on a face within that distance.
 ///
 /// The bounds hold for every [`InstructionSet`].
 ///
@@ -92,8 +91,9 @@ impl Scene {
     /// little more time than the exact field, except tolerances below 1e-11 beside a few tiles and
     /// refused points, which take up to four times as long.
     ///
-    /// Exact values keep a tolerance if 2e-14 of an upper bound of the sum over tiles keeps it
-    /// (docs/physics.md, section 2.10); other points are refused. The median of the bound is about
+    /// Exact values keep a tolerance if [`EXACT_BOUND`](crate::EXACT_BOUND) times an upper bound of
+    /// the sum over tiles keeps it (docs/physics.md, section 2.10); other points are refused. Tiles
+    /// whose faces were joined to other faces count more. The median of the bound is about
     /// twice the sum. The largest factors found beside random single tiles are 15 for a cube, 25
     /// for aspects up to 10, and 60 for aspects up to 1000. The bound excludes the rounding of
     /// points in the frames of rotated tiles (see Accuracy above): close to rotated tiles and far
@@ -176,8 +176,9 @@ impl Scene {
         }
     }
 
-    /// Upper bound of the error of the exact B at each point, in tesla: 2e-14 of an upper bound of
-    /// the sum over tiles of the magnitudes of the fields of the three components of J.
+    /// Upper bound of the error of the exact B at each point, in tesla:
+    /// [`EXACT_BOUND`](crate::EXACT_BOUND) times an upper bound of the sum over tiles of the
+    /// magnitudes of the fields of the three components of J, and the error of joined faces.
     ///
     /// A component of B below the bound may be pure rounding. The bound is infinite at points that
     /// are not finite. It excludes the displacement of points in the frames of rotated tiles (see
@@ -250,9 +251,10 @@ impl Scene {
     /// the side of the point's owner.
     ///
     /// # Accuracy
-    /// The error of every component of a single unrotated tile is at most 2e-14 (typically 5e-16)
-    /// of the largest component, at every point; in a scene it is at most that fraction of the sum
-    /// over tiles.
+    /// The error of every component of a single unrotated tile is at most
+    /// [`GRADIENT_BOUND`](crate::GRADIENT_BOUND) (typically 5e-16) of the sum of the largest
+    /// components for each component of J, at every point; in a scene it is at most that fraction
+    /// of the sum over tiles.
     ///
     /// # Errors
     /// If the gradient is unbounded at the point, if it cannot be resolved there (see

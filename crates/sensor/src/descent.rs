@@ -18,7 +18,7 @@ const SHORTEST_STEP: f64 = 1e-8;
 const LONGEST_STEP: f64 = 0.25;
 
 /// Largest difference of a field from the reading, as a fraction of its magnitude, that counts as
-/// equal. The error of the exact field is 2e-14 of the sum over tiles, which is rarely 1e4 times
+/// equal. The error of the exact field is 1e-13 of the sum over tiles, which is rarely 1e4 times
 /// the field.
 const SAME_FIELD: f64 = 1e-9;
 

@@ -126,8 +126,8 @@ impl<'a> Locator<'a> {
     /// Gauss-Newton steps begin at every point of the grid whose field is nearer to the reading
     /// than the fields at its neighbours. If they find no position, they begin anew on a grid that
     /// is enlarged by half the extent of the volume on each side. They use the exact field and its
-    /// gradient. The error of positions is the error of the field, 2e-14 of the sum over tiles,
-    /// over its gradient. Results do not depend on the other readings or on the number of threads.
+    /// gradient. The error of positions is the error bound of the field (docs/accuracy.md) over its
+    /// gradient. Results do not depend on the other readings or on the number of threads.
     ///
     /// Uniqueness of the position in the volume is not proved: it holds as far as the grid resolves
     /// the field.

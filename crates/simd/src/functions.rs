@@ -33,6 +33,18 @@ pub struct Reduced<N> {
 }
 
 impl<N: Number> Reduced<N> {
+    /// base + artanh(numerator / denominator).
+    #[inline(always)]
+    pub fn of_logarithm(numerator: N, denominator: N, base: N) -> Reduced<N> {
+        Reduced { numerator, denominator, base, sign: None }
+    }
+
+    /// base + sign * arctan(numerator / denominator).
+    #[inline(always)]
+    pub fn of_angle(numerator: N, denominator: N, base: N, sign: N) -> Reduced<N> {
+        Reduced { numerator, denominator, base, sign: Some(sign) }
+    }
+
     /// The value from the quotient of numerator and denominator.
     #[inline(always)]
     pub fn value(&self, simd: N::Instructions, quotient: N) -> N {
@@ -55,6 +67,8 @@ pub trait Functions: Number {
     fn artanh_of_ratio(simd: Self::Instructions, n: Self, m: Self) -> Reduced<Self>;
     /// The angle of re + i im, between -pi and pi.
     fn angle(simd: Self::Instructions, re: Self, im: Self) -> Reduced<Self>;
+    /// ln(a / b) / 2 of positive numbers.
+    fn half_logarithm_of_ratio(simd: Self::Instructions, a: Self, b: Self) -> Reduced<Self>;
 }
 
 impl<S: Simd> Functions for Lanes<S> {
@@ -63,17 +77,18 @@ impl<S: Simd> Functions for Lanes<S> {
         let (power, base) = nearest_power(m + n, m - n);
         let one = Lanes::<S>::splat(simd, 1.0);
         let (sum, difference) = (one + power, one - power);
-        Reduced {
-            numerator: m.mul_add(difference, n * sum),
-            denominator: n.mul_add(difference, m * sum),
-            base,
-            sign: None,
-        }
+        Reduced::of_logarithm(m.mul_add(difference, n * sum), n.mul_add(difference, m * sum), base)
     }
 
     #[inline(always)]
     fn angle(simd: S, re: Self, im: Self) -> Reduced<Self> {
         reduced_angle(simd, re, im)
+    }
+
+    #[inline(always)]
+    fn half_logarithm_of_ratio(_: S, a: Self, b: Self) -> Reduced<Self> {
+        let (power, base) = nearest_power(a, b);
+        Reduced::of_logarithm(a - power * b, a + power * b, base)
     }
 }
 
@@ -81,23 +96,29 @@ impl<S: Simd> Functions for LanePair<S> {
     #[inline(always)]
     fn artanh_of_ratio(simd: S, LanePair([n, n_2]): Self, LanePair([m, m_2]): Self) -> Reduced<Self> {
         let (first, second) = (Lanes::artanh_of_ratio(simd, n, m), Lanes::artanh_of_ratio(simd, n_2, m_2));
-        Reduced {
-            numerator: LanePair([first.numerator, second.numerator]),
-            denominator: LanePair([first.denominator, second.denominator]),
-            base: LanePair([first.base, second.base]),
-            sign: None,
-        }
+        side_by_side(first, second)
     }
 
     #[inline(always)]
     fn angle(simd: S, LanePair([re, re_2]): Self, LanePair([im, im_2]): Self) -> Reduced<Self> {
         let (first, second) = (reduced_angle(simd, re, im), reduced_angle(simd, re_2, im_2));
-        Reduced {
-            numerator: LanePair([first.numerator, second.numerator]),
-            denominator: LanePair([first.denominator, second.denominator]),
-            base: LanePair([first.base, second.base]),
-            sign: first.sign.zip(second.sign).map(|(first, second)| LanePair([first, second])),
-        }
+        side_by_side(first, second)
+    }
+
+    #[inline(always)]
+    fn half_logarithm_of_ratio(simd: S, LanePair([a, a_2]): Self, LanePair([b, b_2]): Self) -> Reduced<Self> {
+        let first = Lanes::half_logarithm_of_ratio(simd, a, b);
+        side_by_side(first, Lanes::half_logarithm_of_ratio(simd, a_2, b_2))
+    }
+}
+
+#[inline(always)]
+fn side_by_side<S: Simd>(first: Reduced<Lanes<S>>, second: Reduced<Lanes<S>>) -> Reduced<LanePair<S>> {
+    Reduced {
+        numerator: LanePair([first.numerator, second.numerator]),
+        denominator: LanePair([first.denominator, second.denominator]),
+        base: LanePair([first.base, second.base]),
+        sign: first.sign.zip(second.sign).map(|(first, second)| LanePair([first, second])),
     }
 }
 
@@ -118,8 +139,23 @@ pub fn artanh_of_ratio<S: Simd>(simd: S, n: Lanes<S>, m: Lanes<S>) -> Lanes<S> {
 /// ln(a / b) / 2 of positive numbers.
 #[inline(always)]
 pub fn half_logarithm_of_ratio<S: Simd>(simd: S, a: Lanes<S>, b: Lanes<S>) -> Lanes<S> {
-    let (power, base) = nearest_power(a, b);
-    Reduced { numerator: a - power * b, denominator: a + power * b, base, sign: None }.divided(simd)
+    Lanes::half_logarithm_of_ratio(simd, a, b).divided(simd)
+}
+
+/// Largest hyperbolic tangent in [`logarithm_of_tangent_or_ratio`] that serves as the argument of
+/// the series.
+pub const LARGEST_TANGENT: f64 = 0.2;
+
+/// A logarithm that is half the logarithm of above / below and the artanh of n / m, with n, m > 0.
+/// The tangent keeps the digits of small logarithms, the ratio the digits of large ones.
+#[inline(always)]
+pub fn logarithm_of_tangent_or_ratio<N: Functions>(simd: N::Instructions, [n, m]: [N; 2], [above, below]: [N; 2]) -> N {
+    let excess = n - m * LARGEST_TANGENT;
+    let large = N::half_logarithm_of_ratio(simd, above, below);
+    let numerator = excess.where_at_least(0.0, large.numerator, n);
+    let denominator = excess.where_at_least(0.0, large.denominator, m);
+    let base = excess.where_at_least(0.0, large.base, N::splat(simd, 0.0));
+    Reduced::of_logarithm(numerator, denominator, base).divided(simd)
 }
 
 /// The power of two E nearest to a / b, and ln(E) / 2. Then ln(a / b) / 2 = ln(E) / 2 + artanh(s)

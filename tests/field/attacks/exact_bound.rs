@@ -3,13 +3,11 @@
 use std::cell::{Cell, RefCell};
 
 use glam::DVec3;
-use magsplice_field::{Quantity, Scene, Tile};
+use magsplice_field::{EXACT_BOUND, Quantity, Scene, Tile};
 use magsplice_tests::cases;
 use magsplice_tests::oracle::Oracle;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
-
-use super::EXACT_BOUND;
 
 /// A tile with sides between 1e-3 and 2 and a polarization between 1e-10 T and 1 T, anywhere in a
 /// cube or on a lattice.

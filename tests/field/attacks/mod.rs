@@ -7,6 +7,8 @@
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
+/// Hill climbs on the errors of the exact field and of the gradient.
+mod climbs;
 /// The bound of the exact field.
 mod exact_bound;
 /// Boxes prepared for repeated look-ups.
@@ -17,10 +19,6 @@ mod reference;
 mod scenes;
 /// Tolerances on grids and at points.
 mod tolerances;
-
-/// The bound of the exact field, as a fraction of the sum over tiles of the magnitudes of the
-/// fields of the single components of J.
-const EXACT_BOUND: f64 = 2e-14;
 
 /// The numbers of a test's scenes: from `MAGSPLICE_SCENES`, else 10 000 with the feature
 /// `all-cases`, else a few.

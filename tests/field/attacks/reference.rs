@@ -2,10 +2,8 @@
 //! within its own bound at all others.
 
 use glam::{DQuat, DVec3};
-use magsplice_field::{Quantity, Scene, Tile};
+use magsplice_field::{EXACT_BOUND, Quantity, Scene, Tile};
 use magsplice_tests::oracle::Oracle;
-
-use super::EXACT_BOUND;
 
 /// Largest distance from a tile, and largest ratio of its sides, for the oracle of 57 digits. It
 /// loses at most three digits for each decade of the distance, and of the ratio along two axes.

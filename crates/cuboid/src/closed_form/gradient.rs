@@ -13,7 +13,7 @@ use super::elements::CornerGeometry;
 use super::rod::ratios_of_rod;
 use super::terms::{BB, BC, Form};
 use crate::block::Block;
-use crate::tolerances::{LONGEST_GRADIENT_ROD, NEAR_GRADIENT_ASPECT};
+use crate::tolerances::{LONGEST_GRADIENT_ROD, NEAR_FRACTION, NEAR_GRADIENT_ASPECT, THINNEST_GRADIENT};
 
 /// Number of components of a gradient.
 pub const COMPONENTS: usize = 6;
@@ -60,10 +60,17 @@ impl GradientTerms {
         has_gradient(self.sides)
     }
 
-    /// Whether the closed form keeps its bound inside and close to the cuboid.
-    pub fn has_near_form(&self) -> bool {
+    /// Largest distance from the cuboid, scaled, at which the closed form for points inside and
+    /// close to it keeps its bound.
+    pub fn near_reach(&self) -> f64 {
         let [a, _, c] = self.sides;
-        c >= NEAR_GRADIENT_ASPECT * a
+        NEAR_FRACTION * if c >= NEAR_GRADIENT_ASPECT * a { a } else { c }
+    }
+
+    /// Whether products of the closed form close to the cuboid are normal numbers.
+    pub fn is_resolved(&self) -> bool {
+        let [a, _, c] = self.sides;
+        c >= THINNEST_GRADIENT * a
     }
 
     /// Adds the gradient of B, in tesla per length, in the frame of the cuboid: xx, yy, zz, yz, xz,

@@ -8,6 +8,8 @@ pub mod gradient;
 pub mod magnitude;
 /// Points inside a compact cuboid and close to its edges.
 pub mod near_edge;
+/// Elements by sums of positive terms.
+pub mod positive;
 /// The elements of rods for which the error of the other closed form is too large.
 pub mod rod;
 /// A single cuboid.

@@ -9,15 +9,16 @@
 use std::f64::consts::PI;
 
 use fearless_simd::prelude::*;
-use magsplice_simd::functions::{angle, half_logarithm_of_ratio};
-use magsplice_simd::lanes::{Lanes, Number};
+use magsplice_simd::functions::Functions;
+use magsplice_simd::lanes::Lanes;
 use magsplice_simd::power_of_two::power_of_two_reciprocal;
 
+use super::positive::Octant;
 use super::single_tile::ClosedForm;
 use super::terms::Form;
 use crate::block::{Block, LocalPoint};
 use crate::scalar::kernel::FieldKind;
-use crate::tolerances::{LEAST_OFFSET, NEAR_EDGE_ASPECT, NEAR_FRACTION, THINNEST};
+use crate::tolerances::{LEAST_OFFSET, NEAR_EDGE_ASPECT, NEAR_FRACTION, POSITIVE_FIELD_REACH, THIN_FROM, THINNEST};
 use magsplice_simd::compensated_sum::TwoSum;
 
 /// The points inside a tile or close to it, and clearly off the planes of all faces.
@@ -36,26 +37,56 @@ impl Interior {
         Interior { faces: block.faces, least_offset: LEAST_OFFSET * largest, reach: NEAR_FRACTION * largest }
     }
 
+    /// The same with this largest distance along an axis.
+    pub fn within(self, reach: f64) -> Interior {
+        Interior { reach, ..self }
+    }
+
     /// Whether a point is inside the tile or close to it, and clearly off the planes of all faces.
     pub fn covers(&self, point: &LocalPoint) -> bool {
-        greatest_gap(&self.faces, point) <= self.reach
-            && (0..3).all(|axis| {
-                let least = self.least_offset.max(point.roundoff[axis]);
-                self.faces[axis].iter().all(|face| ((point.coordinates[axis] - face.hi) - face.lo).abs() > least)
-            })
+        greatest_gap(&self.faces, point) <= self.reach && self.is_off_planes(point)
+    }
+
+    /// Whether a point is clearly off the planes of all faces.
+    pub fn is_off_planes(&self, point: &LocalPoint) -> bool {
+        (0..3).all(|axis| {
+            let least = self.least_offset.max(point.roundoff[axis]);
+            self.faces[axis].iter().all(|face| ((point.coordinates[axis] - face.hi) - face.lo).abs() > least)
+        })
     }
 }
 
-/// A tile for points close to it: inside and outside of compact tiles, outside of plates and rods.
-pub enum NearEdge {
-    /// A compact tile.
+/// Largest number of forms of one tile for points close to it.
+pub const NEAR_FORMS: usize = 2;
+
+/// A tile for points close to it, with one or two forms.
+pub struct NearEdges(Vec<NearEdge>);
+
+/// One form of a tile for points close to it.
+pub(crate) enum NearEdge {
+    /// A compact tile, inside and outside.
     Compact(Box<NearCompact>),
-    /// A plate or a rod.
+    /// A plate or a rod, inside and very close to it.
+    Positive(Box<NearPositive>),
+    /// A plate or a rod, outside.
     Thin(Box<NearThin>),
 }
 
+/// A plate or a rod for points inside it and very close to it, evaluated by [`Octant`].
+pub(crate) struct NearPositive {
+    faces: [[TwoSum; 2]; 3],
+    interior: Interior,
+    scale: f64,
+    /// Side lengths, scaled.
+    size: [f64; 3],
+    /// Axes a, b, c, whose sides decrease.
+    axes: [usize; 3],
+    polarization_t: [f64; 3],
+    part: FieldKind,
+}
+
 /// A plate or a rod for points outside and close to it, evaluated by [`Form::Thin`].
-pub struct NearThin {
+pub(crate) struct NearThin {
     faces: [[TwoSum; 2]; 3],
     /// Distances along an axis at which the form begins and ends.
     reach: [f64; 2],
@@ -63,7 +94,7 @@ pub struct NearThin {
 }
 
 /// A compact tile for points inside it and close to it.
-pub struct NearCompact {
+pub(crate) struct NearCompact {
     faces: [[TwoSum; 2]; 3],
     interior: Interior,
     scale: f64,
@@ -73,35 +104,71 @@ pub struct NearCompact {
     part: FieldKind,
 }
 
-impl NearEdge {
-    /// Prepares a block; `None` if its sides differ too much.
-    pub fn new(block: &Block, part: FieldKind) -> Option<NearEdge> {
+impl NearEdges {
+    /// Prepares a block. There is no form if its sides differ too much.
+    pub fn new(block: &Block, part: FieldKind) -> NearEdges {
         let [x, y, z] = block.size;
         let (largest, smallest) = (x.max(y).max(z), x.min(y).min(z));
         let scale = power_of_two_reciprocal(largest);
+        let (faces, polarization_t) = (block.faces, block.polarization_t.to_array());
+        let size = block.size.map(|size| size * scale);
         if smallest >= NEAR_EDGE_ASPECT * largest {
-            return Some(NearEdge::Compact(Box::new(NearCompact {
-                faces: block.faces,
-                interior: Interior::new(block),
+            let interior = Interior::new(block);
+            return NearEdges(vec![NearEdge::Compact(Box::new(NearCompact {
+                faces,
+                interior,
                 scale,
-                size: block.size.map(|size| size * scale),
-                polarization_t: block.polarization_t.to_array(),
+                size,
+                polarization_t,
                 part,
-            })));
+            }))]);
         }
-        (smallest >= THINNEST * largest).then(|| {
+        if smallest < THINNEST * largest {
+            return NearEdges(Vec::new());
+        }
+        let mut axes = [0, 1, 2];
+        axes.sort_by(|&a, &b| block.size[b].total_cmp(&block.size[a]));
+        let from = (NEAR_FRACTION * smallest).max(THIN_FROM * block.size[axes[1]]);
+        NearEdges(vec![
+            NearEdge::Positive(Box::new(NearPositive {
+                faces,
+                interior: Interior::new(block).within(from.min(POSITIVE_FIELD_REACH * smallest)),
+                scale,
+                size,
+                axes,
+                polarization_t,
+                part,
+            })),
             NearEdge::Thin(Box::new(NearThin {
-                faces: block.faces,
-                reach: [NEAR_FRACTION * smallest, NEAR_FRACTION * largest],
+                faces,
+                reach: [from, NEAR_FRACTION * largest],
                 closed_form: ClosedForm::new(block, scale, Form::Thin),
-            }))
-        })
+            })),
+        ])
     }
 
-    /// Whether a point is in the region that the tile is prepared for.
-    pub fn covers(&self, point: &LocalPoint) -> bool {
+    /// The form for a point, as an index below [`NEAR_FORMS`].
+    pub fn form(&self, point: &LocalPoint) -> Option<usize> {
+        self.0.iter().position(|form| form.covers(point))
+    }
+
+    /// B or mu0 H of the tile in tesla, in its frame, at points given by axis in whole vectors.
+    pub fn fields<S: Simd>(&self, simd: S, form: usize, points: [&[f64]; 3], fields: [&mut [f64]; 3]) {
+        self.0[form].fields(simd, points, fields);
+    }
+
+    /// The form for a point.
+    #[cfg(test)]
+    pub(crate) fn covering(&self, point: &LocalPoint) -> Option<&NearEdge> {
+        self.form(point).map(|form| &self.0[form])
+    }
+}
+
+impl NearEdge {
+    fn covers(&self, point: &LocalPoint) -> bool {
         match self {
             NearEdge::Compact(tile) => tile.interior.covers(point),
+            NearEdge::Positive(tile) => tile.interior.covers(point),
             NearEdge::Thin(tile) => {
                 let gap = greatest_gap(&tile.faces, point);
                 tile.reach[0] <= gap && gap <= tile.reach[1]
@@ -109,9 +176,8 @@ impl NearEdge {
         }
     }
 
-    /// B or mu0 H of the tile in tesla, in its frame, at points given by axis in whole vectors.
     #[inline(never)]
-    pub fn fields<S: Simd>(&self, simd: S, [x, y, z]: [&[f64]; 3], [fx, fy, fz]: [&mut [f64]; 3]) {
+    fn fields<S: Simd>(&self, simd: S, [x, y, z]: [&[f64]; 3], [fx, fy, fz]: [&mut [f64]; 3]) {
         simd.vectorize(
             #[inline(always)]
             || {
@@ -124,9 +190,8 @@ impl NearEdge {
                     ];
                     let field = match self {
                         NearEdge::Compact(tile) => tile.field(simd, point),
-                        NearEdge::Thin(tile) => {
-                            tile.closed_form.field_of_thin(simd, &tile.closed_form.place(simd, point))
-                        }
+                        NearEdge::Positive(tile) => tile.field(simd, point),
+                        NearEdge::Thin(tile) => tile.field(simd, point),
                     };
                     field[0].store(&mut fx[lanes.clone()]);
                     field[1].store(&mut fy[lanes.clone()]);
@@ -146,17 +211,86 @@ fn greatest_gap(faces: &[[TwoSum; 2]; 3], point: &LocalPoint) -> f64 {
     gap(0).max(gap(1)).max(gap(2))
 }
 
-impl NearCompact {
+/// Scaled offsets of points from the low and high faces along each axis, and twice their offsets
+/// from the centre. The sum of the offsets from both faces has lost the digits of small ones.
+#[inline(always)]
+pub(crate) fn offsets_and_steps<N: Functions>(
+    simd: N::Instructions,
+    faces: &[[TwoSum; 2]; 3],
+    scale: f64,
+    point: [N; 3],
+) -> ([[N; 2]; 3], [N; 3]) {
+    let zero = N::splat(simd, 0.0);
+    let (mut offsets, mut steps) = ([[zero; 2]; 3], [zero; 3]);
+    for (axis, coordinate) in point.into_iter().enumerate() {
+        let [low, high] = faces[axis];
+        for (offset, face) in offsets[axis].iter_mut().zip([low, high]) {
+            *offset = ((coordinate - face.hi) - face.lo) * scale;
+        }
+        let centre = TwoSum::new(low.hi, high.hi);
+        steps[axis] = ((coordinate + coordinate - centre.hi) - (centre.lo + low.lo + high.lo)) * scale;
+    }
+    (offsets, steps)
+}
+
+impl NearPositive {
+    /// B or mu0 H in tesla.
     #[inline(always)]
-    fn field<S: Simd>(&self, simd: S, point: [Lanes<S>; 3]) -> [Lanes<S>; 3] {
-        let (zero, one) = (Lanes::<S>::splat(simd, 0.0), Lanes::<S>::splat(simd, 1.0));
-        let mut offsets = [[zero; 2]; 3];
+    pub(crate) fn field<N: Functions>(&self, simd: N::Instructions, point: [N; 3]) -> [N; 3] {
+        let (zero, one) = (N::splat(simd, 0.0), N::splat(simd, 1.0));
+        let (offsets, steps) = offsets_and_steps(simd, &self.faces, self.scale, point);
+        let place = Octant::new(simd, offsets, steps, self.size);
         let mut inside = one;
-        for ((offsets, coordinate), faces) in offsets.iter_mut().zip(point).zip(&self.faces) {
-            for (offset, face) in offsets.iter_mut().zip(faces) {
-                *offset = ((coordinate - face.hi) - face.lo) * self.scale;
+        for [near, _] in place.faces {
+            inside = near.where_at_least(0.0, zero, inside);
+        }
+        let j = self.polarization_t;
+        let mut field = [zero; 3];
+        for edges in 0..3 {
+            let (i, k) = ((edges + 1) % 3, (edges + 2) % 3);
+            if j[i] != 0.0 || j[k] != 0.0 {
+                let half = place.off_diagonal(simd, [i, k, edges]);
+                field[i] = half.scale_add(j[k] / (2.0 * PI), field[i]);
+                field[k] = half.scale_add(j[i] / (2.0 * PI), field[k]);
             }
-            inside = inside * offsets[0].at_least(simd, 0.0) * offsets[1].at_most(simd, 0.0);
+        }
+        // T_cc is minus the sum of the others, and minus 1 inside.
+        let [a, b, c] = self.axes;
+        let is_density = self.part == FieldKind::Density;
+        for own in [a, b] {
+            if j[own] != 0.0 || j[c] != 0.0 {
+                let element = place.diagonal(simd, [own, a + b - own, c]);
+                field[own] = element.scale_add(j[own] / (4.0 * PI), field[own]);
+                field[c] = element.scale_add(-j[c] / (4.0 * PI), field[c]);
+                if is_density {
+                    field[own] = inside.scale_add(j[own], field[own]);
+                }
+            }
+        }
+        if !is_density {
+            field[c] = inside.scale_add(-j[c], field[c]);
+        }
+        field
+    }
+}
+
+impl NearThin {
+    /// mu0 H in tesla, which is B outside.
+    #[inline(always)]
+    pub(crate) fn field<N: Functions>(&self, simd: N::Instructions, point: [N; 3]) -> [N; 3] {
+        self.closed_form.field_of_thin(simd, &self.closed_form.place(simd, point))
+    }
+}
+
+impl NearCompact {
+    /// B or mu0 H in tesla.
+    #[inline(always)]
+    pub(crate) fn field<N: Functions>(&self, simd: N::Instructions, point: [N; 3]) -> [N; 3] {
+        let (zero, one) = (N::splat(simd, 0.0), N::splat(simd, 1.0));
+        let (offsets, _) = offsets_and_steps(simd, &self.faces, self.scale, point);
+        let mut inside = one;
+        for [low, high] in offsets {
+            inside = low.where_at_least(0.0, high.where_at_least(0.0, zero, inside), zero);
         }
         let mut distances = [zero; 8];
         for (corner, distance) in distances.iter_mut().enumerate() {
@@ -188,26 +322,26 @@ impl NearCompact {
 
 /// Distance from the corner on these sides along axes i, j, k.
 #[inline(always)]
-fn at<S: Simd>(distances: &[Lanes<S>; 8], [i, j, k]: [usize; 3], [bi, bj, bk]: [usize; 3]) -> Lanes<S> {
+fn at<N: Copy>(distances: &[N; 8], [i, j, k]: [usize; 3], [bi, bj, bk]: [usize; 3]) -> N {
     distances[bi << i | bj << j | bk << k]
 }
 
 /// 2 pi T_ij from the four edges along k, each as ln((S + l) / (S - l)) (Eq. P4), with S - l by Eq.
 /// P7 without its divisions.
 #[inline(always)]
-fn half_of_edges<S: Simd>(
-    simd: S,
-    offsets: &[[Lanes<S>; 2]; 3],
-    distances: &[Lanes<S>; 8],
+fn half_of_edges<N: Functions>(
+    simd: N::Instructions,
+    offsets: &[[N; 2]; 3],
+    distances: &[N; 8],
     axes: [usize; 3],
     length: f64,
-) -> Lanes<S> {
-    let (one, length) = (Lanes::<S>::splat(simd, 1.0), Lanes::<S>::splat(simd, length));
+) -> N {
+    let (zero, one, length) = (N::splat(simd, 0.0), N::splat(simd, 1.0), N::splat(simd, length));
     let [i, j, k] = axes;
     let [low, high] = offsets[k];
-    let beyond = (low * high).at_least(simd, 0.0);
-    let (low, high) = (low.abs(), high.abs());
-    let overhang = low.min(high) * beyond * 2.0;
+    let beyond = high.where_at_least(0.0, high, (zero - low).where_at_least(0.0, zero - low, zero));
+    let overhang = beyond * 2.0;
+    let (low, high) = (absolute(simd, low), absolute(simd, high));
     let mut products = [one; 2];
     for bi in 0..2 {
         for bj in 0..2 {
@@ -222,26 +356,32 @@ fn half_of_edges<S: Simd>(
             products[1 - own] = products[1 - own] * minus;
         }
     }
-    half_logarithm_of_ratio(simd, products[0], products[1])
+    N::half_logarithm_of_ratio(simd, products[0], products[1]).divided(simd)
 }
 
 /// Solid angle of the lower face across an axis minus the solid angle of the upper face, each
 /// positive for points above it: sums of arctangents of y z / (x R), two of which form one angle.
 #[inline(always)]
-fn angles_of_faces<S: Simd>(simd: S, offsets: &[[Lanes<S>; 2]; 3], distances: &[Lanes<S>; 8], axis: usize) -> Lanes<S> {
+fn angles_of_faces<N: Functions>(simd: N::Instructions, offsets: &[[N; 2]; 3], distances: &[N; 8], axis: usize) -> N {
     let axes = [axis, (axis + 1) % 3, (axis + 2) % 3];
     let [_, j, k] = axes;
-    let mut faces = [Lanes::<S>::splat(simd, 0.0); 2];
+    let zero = N::splat(simd, 0.0);
+    let mut faces = [zero; 2];
     for (side, face) in faces.iter_mut().enumerate() {
         let x = offsets[axis][side];
-        let (height, sign) = (x.abs(), x.sign(simd));
+        let height = absolute(simd, x);
         for bj in 0..2 {
-            let y = sign * offsets[j][bj];
+            let y = x.where_at_least(0.0, offsets[j][bj], zero - offsets[j][bj]);
             let (re, re_2) = (height * at(distances, axes, [side, bj, 0]), height * at(distances, axes, [side, bj, 1]));
             let (im, im_2) = (y * offsets[k][0], y * offsets[k][1]);
-            let pair = angle(simd, re.mul_add(re_2, im * im_2), im.mul_sub(re_2, re * im_2));
+            let pair = N::angle(simd, re.mul_add(re_2, im * im_2), im.mul_sub(re_2, re * im_2)).divided(simd);
             *face = if bj == 0 { pair } else { *face - pair };
         }
     }
     faces[0] - faces[1]
+}
+
+#[inline(always)]
+fn absolute<N: Functions>(simd: N::Instructions, value: N) -> N {
+    value.where_at_least(0.0, value, N::splat(simd, 0.0) - value)
 }

@@ -10,7 +10,7 @@ mod face;
 /// Field and gradient from the elements.
 pub mod kernel;
 /// The number types of the kernel.
-mod number;
+pub(crate) mod number;
 /// The position of a point relative to the faces.
 pub mod offsets;
 /// The kernel against a law.

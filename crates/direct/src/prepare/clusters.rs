@@ -56,6 +56,8 @@ pub struct Cluster {
     pub corners: Option<CornerTables>,
     /// Built when first needed.
     expansion: OnceLock<MultipoleExpansion>,
+    /// Built when first needed.
+    slopes: OnceLock<[MultipoleExpansion; 2]>,
 }
 
 impl Cluster {
@@ -74,7 +76,13 @@ impl Cluster {
             let ranges = ranges_of_cluster(parts, &corners, blocks.len());
             (ranges, Some(corners))
         };
-        Some(Cluster { blocks: start..start + blocks.len(), ranges, corners, expansion: OnceLock::new() })
+        Some(Cluster {
+            blocks: start..start + blocks.len(),
+            ranges,
+            corners,
+            expansion: OnceLock::new(),
+            slopes: OnceLock::new(),
+        })
     }
 
     /// The two halves of a long cluster, if they are much smaller and their tables fit. `blocks`
@@ -102,6 +110,17 @@ impl Cluster {
     pub fn expansion(&self, level: Level, blocks: &[Block]) -> &MultipoleExpansion {
         let own = || &blocks[self.blocks.clone()];
         self.expansion.get_or_init(|| expansion_of(level, own(), self.ranges.centre, self.ranges.scale))
+    }
+}
+
+impl Cluster {
+    /// The multipole expansions of the derivatives along x and y of the potential, with lengths
+    /// multiplied by the scale of the ranges.
+    pub fn slopes(&self, level: Level, blocks: &[Block]) -> &[MultipoleExpansion; 2] {
+        let MethodRanges { centre, scale, .. } = self.ranges;
+        let of = |slope: Moments| MultipoleExpansion::from_moments(&slope, centre, scale);
+        let own = || moments_of(level, &blocks[self.blocks.clone()], centre, scale).slopes();
+        self.slopes.get_or_init(|| own().map(of))
     }
 }
 
@@ -191,6 +210,10 @@ impl ClusterTable {
 
 /// The expansion of blocks of one frame around `centre`; lengths are multiplied by `scale`.
 pub fn expansion_of(level: Level, blocks: &[Block], centre: [f64; 3], scale: f64) -> MultipoleExpansion {
+    MultipoleExpansion::from_moments(&moments_of(level, blocks, centre, scale), centre, scale)
+}
+
+fn moments_of(level: Level, blocks: &[Block], centre: [f64; 3], scale: f64) -> Moments {
     let source = |block: &Block| {
         let middle = [0, 1, 2].map(|axis: usize| {
             let [low, high] = block.faces[axis].map(|face| face.minus(TwoSum::exact(centre[axis])).value());
@@ -199,7 +222,7 @@ pub fn expansion_of(level: Level, blocks: &[Block], centre: [f64; 3], scale: f64
         CuboidSource::new(DVec3::from(middle) * scale, DVec3::from(block.size) * scale, None, block.polarization_t)
     };
     let sources: Vec<CuboidSource> = blocks.iter().map(source).collect();
-    MultipoleExpansion::from_moments(&Moments::from_sources(level, &sources, HIGHEST_DEGREE), centre, scale)
+    Moments::from_sources(level, &sources, HIGHEST_DEGREE)
 }
 
 /// Upper bound of the number of planes with faces of blocks, and of bars over them.

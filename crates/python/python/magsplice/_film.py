@@ -101,7 +101,7 @@ class Film(Sensed):
 
     Notes
     -----
-    The error of a field is at most 2e-14 of the sum, over all tiles, of the magnitudes of the
+    The error of a field is at most 1e-13 of the sum, over all tiles, of the magnitudes of the
     fields of the three components of J. All processors are used; the environment variable
     RAYON_NUM_THREADS sets their number, at most four per processor. The interpreter is free for
     other threads during work, and Ctrl-C interrupts it. A method raises MagspliceError if the
@@ -312,7 +312,7 @@ class Film(Sensed):
 
         Notes
         -----
-        Error of the exact field: at most 2e-14 of the sum over tiles (see `error_bound`). On a face
+        Error of the exact field: at most 1e-13 of the sum over tiles (see `error_bound`). On a face
         B is the limit from the side of larger x, y or z. A tolerance saves time on grids and with
         many tiles: docs/accuracy-and-speed.md.
         """
@@ -372,7 +372,7 @@ class Film(Sensed):
     def error_bound(self, points: ArrayLike | Grid) -> Floats:
         """Upper bound in tesla of the error of the exact B, shape (...).
 
-        It is 2e-14 of an upper bound of the sum over tiles of the magnitudes of the fields of the
+        It is 1e-13 of an upper bound of the sum over tiles of the magnitudes of the fields of the
         three components of J. A component of B below the bound may be pure rounding.
         """
         flat, shape = flattened(points)

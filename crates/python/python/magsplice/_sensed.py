@@ -46,7 +46,7 @@ class Sensed(Assembly):
         """Displacements and forces from the readings of a Hall sensor below the film.
 
         The exact field and its gradient give the positions. Errors of the positions are errors of
-        the field, 2e-14 of the sum over tiles, over its gradient.
+        the field (docs/accuracy.md) over its gradient.
 
         Parameters
         ----------

@@ -25,7 +25,7 @@ fn normal(random: &mut ChaCha8Rng) -> f64 {
     (-2.0 * radius.ln()).sqrt() * (std::f64::consts::TAU * turn).cos()
 }
 
-/// The error of the field is at most 2e-14 of the sum over tiles, below 1e-14 T here, and the
+/// The error of the field is far below its bound, at most 1e-14 T here, and the
 /// gradient at least 1e-5 T/mm. The error of positions is therefore below 1e-9 mm, apart from the
 /// square of the shortest step.
 #[test]

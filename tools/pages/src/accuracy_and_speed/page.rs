@@ -341,7 +341,7 @@ const ONLY_EXACT: &str = "
 * Look-ups in boxes with tiles inside or nearby: `FittedField` refuses the box. A grid there is
   divided, and its points near the tiles are evaluated as a list.
 * Tiles near a point of a list are summed directly. The tree expands distant tiles only.
-* Tolerances close to 2e-14 of the sum of the tiles' fields give the exact field. Points at which
+* Tolerances close to 1e-13 of the sum of the tiles' fields give the exact field. Points at which
   even the exact field may exceed the tolerance are reported as errors.
 ";
 

@@ -191,7 +191,7 @@ getB = _of_quantity(
     "getB",
     """Flux density in tesla of cuboids of magpylib, in place of ``magpylib.getB``.
 
-It has the arguments, results, units and shapes of ``magpylib.getB``, exact to 2e-14 of the sum over
+It has the arguments, results, units and shapes of ``magpylib.getB``, exact to 1e-13 of the sum over
 cuboids. Sources may include films of magsplice.
 
 Parameters
