@@ -11,10 +11,10 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 /// Random places among which the best begins a climb.
-const FIRST: usize = 12;
+const FIRST: usize = 8;
 
 /// Steps of a climb.
-const STEPS: usize = if cfg!(feature = "all-cases") { 300 } else { 60 };
+const STEPS: usize = if cfg!(feature = "all-cases") { 300 } else { 40 };
 
 /// A tile with its longest side 1 and one component of J, and a point.
 #[derive(Clone, Copy, Debug)]
@@ -87,13 +87,13 @@ fn climb(number: u64, error: impl Fn(&Place, &mut Oracle) -> f64) -> (f64, Place
     (best.0, Place::new(best.1, axes))
 }
 
-/// Climbs of these numbers keep a bound. The worst is above a hundredth of it.
+/// Climbs of these numbers keep a bound. The worst is above a two-hundredth of it.
 fn check(numbers: std::ops::Range<u64>, bound: f64, error: impl Fn(&Place, &mut Oracle) -> f64 + Sync) {
     let climbs = numbers.into_par_iter().map(|number| climb(number, &error));
     let (worst, place) = climbs.reduce_with(|a, b| if a.0 >= b.0 { a } else { b }).expect("climbs");
     println!("largest error {worst:e} of {bound:e}, {place:?}");
     assert!(worst <= bound, "{worst:e}, {place:?}");
-    assert!(worst > 0.01 * bound, "{worst:e}");
+    assert!(worst > 0.005 * bound, "{worst:e}");
 }
 
 #[test]
@@ -105,7 +105,7 @@ fn climbs_keep_the_bound_of_the_field() {
 #[test]
 fn climbs_keep_the_bound_of_the_gradient() {
     let all = cfg!(feature = "all-cases");
-    check(0..if all { 2_000 } else { 8 }, GRADIENT_BOUND, Place::gradient_error);
+    check(0..if all { 2_000 } else { 4 }, GRADIENT_BOUND, Place::gradient_error);
 }
 
 /// Tops of longer climbs.
