@@ -102,9 +102,9 @@ impl<N: Functions> Octant<N> {
         logarithm_of_tangent_or_ratio(simd, tangent, ratio) * (self.signs[i] * self.signs[j])
     }
 
-    /// 4 pi T_xx as a sum of arctangents of y z / (x R) over the corners. The difference over z, the
-    /// axis of the shortest side, is taken before the arctangent:
-    /// z R' - z' R = (x^2 + y^2) (z^2 - z'^2) / (z R' + z' R).
+    /// 4 pi T_xx as a sum of arctangents of y z / (x R) over the corners. The difference over z,
+    /// the axis of the shortest side, is taken before the arctangent: z R' - z' R = (x^2 + y^2)
+    /// (z^2 - z'^2) / (z R' + z' R).
     #[inline(always)]
     pub fn diagonal(&self, simd: N::Instructions, [x, y, z]: [usize; 3]) -> N {
         let zero = N::splat(simd, 0.0);
