@@ -42,9 +42,13 @@ impl DesignProblem<'_> {
         let mut found = problem.best_of_starts(&watch)?;
         // Other stages follow where there are few parts, and they keep their own distance.
         if !found.keeps_rules && self.brief.parts.is_none() && self.brief.stock.is_empty() {
-            // Rounding moves each of two faces by at most half a step.
-            problem.least_squares.bounds.gap.least_mm += self.brief.resolution_mm;
-            found = problem.best_of_starts(&watch)?;
+            // Rounding moves each of two faces by at most half a step. Where there is no room for it,
+            // the last stage names what is broken.
+            let mut wider = problem.clone();
+            wider.least_squares.bounds.gap.least_mm += self.brief.resolution_mm;
+            if let Ok(again) = wider.best_of_starts(&watch) {
+                (problem, found) = (wider, again);
+            }
         }
         problem.finished(found, &watch)
     }
@@ -155,16 +159,16 @@ impl DesignProblem<'_> {
         loop {
             let variables = rounding::rounded(&self, pattern, &candidate.variables);
             let name = |index: usize| self.layout.tiles[index].name.clone();
-            let broken = rounding::broken_rules(&self, pattern, &variables);
-            if !broken.is_empty() {
-                return Err(self.too_coarse(RoundingFault::Rules(self.named(broken))));
-            }
             let tiles = pattern
                 .images_of(|variable_tile| rounding::tile(variable_tile, &variables))
                 .map_err(|index| self.too_coarse(RoundingFault::NoSide(name(index))))?;
             if let Some(Overlap { first, second, depth, .. }) = overlaps(&tiles).next() {
                 let fault = RoundingFault::Overlap { tiles: [first, second].map(name), depth_mm: depth };
                 return Err(self.too_coarse(fault));
+            }
+            let broken = rounding::broken_rules(&self, pattern, &variables);
+            if !broken.is_empty() {
+                return Err(self.too_coarse(RoundingFault::Rules(self.named(broken))));
             }
             let no_metrics = |error: DesignError| self.too_coarse(RoundingFault::NoMetrics(Box::new(error)));
             let cells = self.cells(&tiles)?;

@@ -3,6 +3,7 @@
 
 use std::ops::ControlFlow;
 
+use glam::DVec3;
 use magsplice_decouple::Figures;
 use magsplice_design::{
     DesignError, DesignProblem, NeededTable, ProgressUpdate, SearchResult, SearchStage, Shortfall, ignore_progress,
@@ -154,10 +155,9 @@ fn uniformity_becomes_a_hundred_times_better() {
     assert!(result.before.figures.uniformity_rmse.r_x.unwrap() > 0.06);
     for tile in &result.tiles {
         assert!((tile.polarization_t().length() - 0.12).abs() < 1e-15);
-        // Faces at multiples of a micrometre.
-        for face in [tile.position() - 0.5 * tile.size(), tile.position() + 0.5 * tile.size()] {
-            assert!((face * 1e3 - (face * 1e3).round()).length() < 1e-6, "{face}");
-        }
+        // Sides are multiples of a micrometre, and faces of half of it about a plane of symmetry.
+        let is_multiple = |lengths: DVec3| (lengths * 1e3 - (lengths * 1e3).round()).length() < 1e-6;
+        assert!(is_multiple(tile.size()) && is_multiple(2.0 * tile.position() - tile.size()), "{tile:?}");
     }
 }
 

@@ -256,7 +256,7 @@ fn bad_settings_are_refused() {
     let scan = FieldScan { points_mm: points(), noise_t: DVec3::splat(NOISE_T) };
     let silent = FieldScan { noise_t: DVec3::new(1e-5, 0.0, 1e-5), ..scan.clone() };
     let error = refused(silent, DiagnosisSettings::default());
-    assert_eq!(error.to_string(), "noise[1] = 0 T, must be greater than 0");
+    assert_eq!(error.to_string(), "noise[1] = 0e0 T, must be a finite number of at least 1e-30 T");
     let settings = DiagnosisSettings { false_alarm: f64::NAN, ..DiagnosisSettings::default() };
     assert!(matches!(refused(scan.clone(), settings), DiagnosisError::FalseAlarm(_)));
     let empty = FieldScan { points_mm: Vec::new(), ..scan };
