@@ -42,8 +42,8 @@ impl DesignProblem<'_> {
         let mut found = problem.best_of_starts(&watch)?;
         // Other stages follow where there are few parts, and they keep their own distance.
         if !found.keeps_rules && self.brief.parts.is_none() && self.brief.stock.is_empty() {
-            // Rounding moves each of two faces by at most half a step. Where there is no room for it,
-            // the last stage names what is broken.
+            // Rounding moves each of two faces by at most half a step. Where there is no room for
+            // it, the last stage names what is broken.
             let mut wider = problem.clone();
             wider.least_squares.bounds.gap.least_mm += self.brief.resolution_mm;
             if let Ok(again) = wider.best_of_starts(&watch) {
