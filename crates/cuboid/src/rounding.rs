@@ -98,7 +98,7 @@ impl<S: Simd> Rounded<S> {
     }
 
     /// A number that was rounded once.
-    fn rounded(value: f64) -> Self {
+    fn nearest(value: f64) -> Self {
         let nothing = (Self::exact(0.0), 0.0);
         Self::computed(value, [nothing, nothing], value.abs())
     }
@@ -274,9 +274,9 @@ impl<S: Simd> Scalar for Rounded<S> {
 /// Offsets of a point, each rounded once.
 fn rounded_offsets<S: Simd>(offsets: &Offsets<f64>) -> Offsets<Rounded<S>> {
     Offsets {
-        near: Rounded::rounded(offsets.near),
-        far: Rounded::rounded(offsets.far),
-        sum: Rounded::rounded(offsets.sum),
+        near: Rounded::nearest(offsets.near),
+        far: Rounded::nearest(offsets.far),
+        sum: Rounded::nearest(offsets.sum),
         size: offsets.size,
         mirrored: offsets.mirrored,
         on_face: offsets.on_face,
