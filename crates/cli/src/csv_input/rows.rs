@@ -240,6 +240,6 @@ const MOST_MEASURED: f64 = 1e100;
 
 /// Whether a cell has none of the numbers of its column, as data loggers and spreadsheets write it.
 fn is_missing(text: &str) -> bool {
-    const WORDS: [&str; 9] = ["", "nan", "na", "n/a", "#n/a", "null", "none", "-", "--"];
-    WORDS.contains(&text.to_lowercase().as_str())
+    const WORDS: [&str; 6] = ["nan", "na", "n/a", "#n/a", "null", "none"];
+    text.chars().all(|c| c == '-') || WORDS.contains(&text.to_lowercase().as_str())
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use magsplice::prelude::DVec3;
+use magsplice::prelude::{DVec3, Quantity};
 
 use crate::args::given_units::GivenUnits;
 use crate::csv_input::finder::{Column, Finder};
@@ -87,16 +87,18 @@ fn read(session: &Session, path: &Path, units: Option<&GivenUnits>, beside: Besi
     let rows = Rows::open(path, FORM, &example, Some(units.unwrap_or(&no_units)), fit, find)?;
     let (found, lines) = rows
         .read_all(&|remark| session.tell(remark), |columns, cells| row(columns, cells, beside == Beside::Position))?;
+    let has_positions = beside == Beside::Position;
     let (beside, readings_t): (Vec<DVec3>, Vec<DVec3>) = found.into_iter().unzip();
-    if let Some(remark) = at_limit(session, &readings_t) {
+    let positions = if has_positions { &beside[..] } else { &[] };
+    if let Some(remark) = at_limit(session, positions, &readings_t) {
         session.tell(&format!("{}: {remark}", path.display()));
     }
     Ok(Readings { beside, readings_t, lines })
 }
 
 /// Words for readings at the limit of the sensor's range or beyond it, with the setting of the part
-/// that has the range for them.
-fn at_limit(session: &Session, readings_t: &[DVec3]) -> Option<String> {
+/// that has the range for them, and for the field of the layout at `positions`.
+fn at_limit(session: &Session, positions: &[DVec3], readings_t: &[DVec3]) -> Option<String> {
     let sensor = session.layout.sensor.as_ref()?;
     let range_t = sensor.element.range_t;
     let finite = || readings_t.iter().filter(|reading| reading.is_finite());
@@ -126,7 +128,11 @@ fn at_limit(session: &Session, readings_t: &[DVec3]) -> Option<String> {
         format!("{readings} at the limit of the range of [sensor], {range}")
     };
     let correction = if is_beyond { "; correct range_mt in [sensor]".to_owned() } else { String::new() };
-    Some(found + &larger_range(sensor, readings_t).unwrap_or(correction))
+    // A reading at the limit does not tell how large the field is.
+    let film = session.film().ok();
+    let field_t =
+        film.and_then(|film| film.scene().field_at(Quantity::FluxDensity, positions).ok()).unwrap_or_default();
+    Some(found + &larger_range(sensor, readings_t.iter().chain(&field_t)).unwrap_or(correction))
 }
 
 /// The columns of the forces, one at least.

@@ -87,6 +87,7 @@ fn lines_before_the_names_are_skipped() {
         let rows = "1,0,0,2\n2,0.1,-0.2,2.5\n".replace(',', mark);
         same(&format!("X-100\n{names}\n{rows}"), "", &[]);
     }
+    same("X Pos [mm],|B| [mT],Bx [mT],By [mT],Bz [mT]\n0,2,0,0,2\n1,---,0.1,-0.2,2.5\n", "", &[]);
     read("Bx,By,Bz\nmm,mm,mm\n0,0,2\n", "", &[]).refuses("line 1: the columns Bx, By, Bz of the flux density have");
     // A row of numbers is no line before the names.
     read("0,0,2\nbx_mt,by_mt,bz_mt\n0,0,2\n", "", &[]).refuses("line 1: has no names of columns");
@@ -247,4 +248,15 @@ fn readings_beyond_the_range_name_the_setting_that_holds_them() {
     assert!(said.stderr.contains(message), "{}", said.stderr);
     let said = read(beyond, "\n[sensor]\nrange_mt = 5\n", &[]);
     assert!(said.stderr.contains("another setting; correct range_mt in [sensor]\n"), "{}", said.stderr);
+}
+
+/// A magnet has no field above its polarization: such readings have another unit, or are wild.
+#[test]
+fn readings_that_no_tile_can_cause_are_of_another_unit() {
+    let sensor = "\n[sensor]\npart = \"MLX90393\"\n";
+    let remark = |readings: &str| read(readings, sensor, &[]).stderr;
+    let other = remark("bx_t,by_t,bz_t\n0,0,2\n0.1,-0.2,2.5\n");
+    assert!(other.contains("no tile has a polarization above 120.000000 mT: check their unit"), "{other}");
+    let wild = remark("bx_mt,by_mt,bz_mt\n0,0,2\n0.1,-0.2,2.5\n0.1,300,2.5\n");
+    assert!(wild.contains("1 reading is above 120.000000 mT, the largest polarization of a tile: wild"), "{wild}");
 }
