@@ -65,7 +65,8 @@ def test_tiles_that_lie_stay(film, measured):
     assert [found.plan[place].tile for place in (7, 20)] == [tile.tile for tile in placed]
     assert np.flatnonzero([row.is_placed for row in found.plan]).tolist() == [7, 20]
     assert found.film.tiles[7].position_mm[0] == pytest.approx(x + 0.05)
-    assert found.rms_mm > first.rms_mm
+    # The others compensate: the error is of the size of the one without misplaced tiles.
+    assert found.rms_mm == pytest.approx(first.rms_mm, rel=0.5)
 
 
 def test_shims_are_chosen(film, measured):

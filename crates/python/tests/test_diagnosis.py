@@ -90,7 +90,10 @@ def test_scans_that_cannot_be_diagnosed_are_refused(published, scan):
     points, readings = scan
     with pytest.raises(magsplice.MagspliceError, match="the layout has no noise"):
         published.diagnose(points, readings)
-    with pytest.raises(magsplice.MagspliceError, match=r"noise\[0\] = -1 T, must be greater"):
+    with pytest.raises(
+        magsplice.MagspliceError,
+        match=r"noise\[0\] = -1e0 T, must be a finite number of at least 1e-30 T",
+    ):
         published.diagnose(points, readings, noise_t=-1)
     with pytest.raises(ValueError, match="440 readings for 441 points"):
         published.diagnose(points, readings[1:], noise_t=1e-6)

@@ -58,7 +58,7 @@ fn starts_are_added_until_some_agree_on_the_best() {
     let few =
         [PlaceGroup { places: whole[0].places[..4].to_vec(), tiles: whole[0].tiles[..4].to_vec(), ..whole[0].clone() }];
     let none = [PlaceGroup { places: Vec::new(), tiles: Vec::new(), ..whole[0].clone() }];
-    for (groups, kicks, starts) in [(&few[..], 20, 16), (&whole[..], 0, 256), (&none[..], 20, 16)] {
+    for (groups, kicks, starts) in [(&few[..], 20, 16), (&whole[..], 0, 128), (&none[..], 20, 16)] {
         let settings = AssignmentSettings { kicks, ..AssignmentSettings::default() };
         let problem = AssignmentProblem::new(&model, &tiles, groups, &[], &settings).unwrap();
         assert_eq!(problem.solve(&settings, || ()).unwrap().starts_rms_mm.len(), starts);

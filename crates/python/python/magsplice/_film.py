@@ -717,7 +717,7 @@ class Film(Sensed):
             Whether tiles may be turned over from their orientation as measured.
         starts : int, optional
             Number of random starts, from 1 to 10 000. By default 16 at a time, until 4 of them
-            agree on the best assignment, at most 256.
+            agree on the best assignment, at most 128.
         seed : int
             Seed of the random numbers.
         strength_error, direction_error_deg, size_error_mm : float, optional

@@ -63,7 +63,7 @@ pub(crate) struct AssignArgs {
     /// Turn no tile over: the side that was up when it was measured stays up
     #[arg(long)]
     keep_side_up: bool,
-    /// Number of random starts [default: 16 at a time until 4 agree on the best, at most 256]
+    /// Number of random starts [default: 16 at a time until 4 agree on the best, at most 128]
     #[arg(long, value_name = "N", value_parser = |text: &str| whole(text, 1..=MAX_STARTS))]
     starts: Option<usize>,
     /// Seed of the random numbers
