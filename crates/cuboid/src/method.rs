@@ -9,8 +9,8 @@
 //! | expansion | clusters, from their radii on | the truncation error of each degree likewise |
 //!
 //! Inside compact cuboids and close to them, and close to plates and rods,
-//! [`NearEdge`](crate::closed_form::near_edge::NearEdge) evaluates points in vectors, except points
-//! near the planes of the faces of compact cuboids.
+//! [`NearEdges`](crate::closed_form::near_edge::NearEdges) evaluates points in vectors, except
+//! points near the planes of the faces of compact cuboids.
 //!
 //! The method, and therefore every digit of the field, depends on the cuboid and the point alone.
 
