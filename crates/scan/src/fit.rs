@@ -46,7 +46,8 @@ const BETTER: f64 = 0.5;
 const MOST_RESIDUAL: f64 = 0.2;
 
 /// Residual with the strength held, over the residual with the strength fitted, up to which the
-/// strength is held.
+/// strength is held. Another strength alone leaves more than this of a film as ordered, whose
+/// residual is the noise.
 const HELD: f64 = 1.5;
 
 /// Fits the parameters of a scan: readings of a sensor, in tesla, at positions of the scan.

@@ -79,7 +79,7 @@ pub(crate) struct SpliceArgs {
     #[arg(long, value_enum)]
     preset: Option<Preset>,
     /// Films whose error the search minimizes: as ordered, or as made with the errors of --preset,
-    /// which takes about three times as long
+    /// which takes several times as long
     #[arg(long, value_enum, default_value = "nominal", requires_if("tolerance", "preset"))]
     under: UnderArg,
     /// Part with known noise, counts and range, for the table [sensor] of the film

@@ -224,7 +224,7 @@ const STRENGTH_STEP: f64 = 1e-5;
 /// Maximum number of moves per variable. More moves would leave the range of the linear model.
 const MOST_MOVES_PER_VARIABLE: usize = 20;
 
-/// Largest number of searches for pairs. One takes 0.1 s for a thousand variables.
+/// Largest number of searches for pairs, each of which tries every two moves.
 const MOST_PAIRS: usize = 50;
 
 /// Changes of rules and amplitude below this count as zero.

@@ -27,7 +27,8 @@ const PLAUSIBLE_STRENGTHS: RangeInclusive<f64> = 0.5..=2.0;
 /// datasheet states to a factor of two.
 const MOST_RESIDUAL: f64 = 3.0;
 
-/// The same over the readings, where the noise of the sensor is not known.
+/// The same over the readings, where the noise of the sensor is not known. Sensors read fields to a
+/// per cent.
 const MOST_SHARE: f64 = 0.02;
 
 /// A scan that was fitted. Its readings have numbers, such as their lines in a file.

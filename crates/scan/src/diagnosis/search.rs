@@ -73,8 +73,7 @@ impl Search<'_> {
         }
         let (mut at, mut compared) = self.converged(start, &deviations(&detected))?;
         // The linear model at the nominal film cannot judge them where errors are large.
-        let admitted = self.with_unsuspicious(&at, &compared, &usable)?;
-        if admitted.is_used != at.is_used {
+        if let Some(admitted) = self.with_unsuspicious(&at, &compared, &usable)? {
             (at, compared) = self.converged(admitted, &deviations(&detected))?;
         }
         let is_complete = loop {
@@ -209,15 +208,16 @@ impl Search<'_> {
     }
 
     /// The model with those of the `usable` readings that agree with the fit of the used ones:
-    /// within six standard deviations of the noise and of the fit together.
+    /// within six standard deviations of the noise and of the fit together. `None` if no reading is
+    /// added.
     fn with_unsuspicious(
         &self,
         at: &Linearized,
         compared: &Compared,
         usable: &[bool],
-    ) -> Result<Linearized, DiagnosisError> {
+    ) -> Result<Option<Linearized>, DiagnosisError> {
         if at.is_used == usable {
-            return Ok(at.clone());
+            return Ok(None);
         }
         let fit = PriorFit::new(&at.gram, &compared.projected, &self.model.unknowns.with_detected(&[]))?;
         let all = self.model.linearized(at.state.clone(), usable, None)?;
@@ -233,7 +233,8 @@ impl Search<'_> {
             .filter(|reading| usable[*reading] && !at.is_used[*reading])
             .filter(is_suspicious)
             .collect();
-        Ok(all.without(&suspicious))
+        let admitted = all.without(&suspicious);
+        Ok((admitted.is_used != at.is_used).then_some(admitted))
     }
 
     /// The tests of all errors that are not identified, after the removal of `error`.
