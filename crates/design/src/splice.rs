@@ -113,9 +113,11 @@ impl SpliceRequest {
                 other => vec![LayoutFault { line: None, place: "layout".to_owned(), message: other.to_string() }],
             })
         })?;
-        let tiles = layout.tiles.len();
-        let tolerance = self.preset.map(|preset| FilmTolerance::of_tiles(&preset.errors(), tiles));
-        Ok(Layout { brief: Some(self.brief()), tolerance, ..layout })
+        // In the order in which a file lists the tiles: samples of films as made depend on it.
+        let written = Layout::parse(&layout.to_compact_toml(), "spliced film");
+        let tiles = written.expect("a valid layout is a valid file").tiles;
+        let tolerance = self.preset.map(|preset| FilmTolerance::of_tiles(&preset.errors(), tiles.len()));
+        Ok(Layout { brief: Some(self.brief()), tolerance, tiles, ..layout })
     }
 
     fn tiles(&self) -> Result<Vec<NamedTile>, LayoutFault> {

@@ -87,6 +87,12 @@ fn splice_ends_with_the_film_as_made_and_its_sensor() {
     for table in ["[tolerance]", "[expect.made", "[sensor]\npart = \"MMC5983MA\""] {
         assert!(written.contains(table), "{table:?} is not in {written}");
     }
+    // The file has the tiles in the order in which they were sampled.
+    let p95_of = |figures: &serde_json::Value| figures["displacement_rmse_mm"]["z"]["p95"].clone();
+    let json = |text: &str| serde_json::from_str::<serde_json::Value>(text).expect("JSON");
+    let spliced = json(&splice(&["--preset", "jig", "--format", "json"]));
+    let sampled = json(&sandbox.run(&["tolerance", "film.toml", "--format", "json"]).stdout);
+    assert_eq!(p95_of(&spliced["made"]["after"]), p95_of(&sampled));
     let found: serde_json::Value =
         serde_json::from_str(&splice(&["--sensor", "MMC5983MA", "--format", "json"])).expect("JSON");
     assert_eq!((&found["out_of_range"]["points"], &found["out_of_range"]["axis"]), (&401.into(), &"z".into()));
