@@ -61,14 +61,14 @@ pub(super) fn found_film(
     if let Some(made) = &result.made {
         films_made(&mut text, made, before);
     }
-    let _ = writeln!(text, "\nuniformity RMSE after each stage");
-    rows::heading(&mut text, "", ["R_x", "R_y", "S_z"]);
-    for stage in &result.stages {
-        rows::cells(
-            &mut text,
-            &format!("  {}", stage.stage.name()),
-            stage.uniformity_rmse.to_array().map(uniformity_number),
-        );
+    // Rounding alone is no news.
+    if result.stages.len() > 2 {
+        let _ = writeln!(text, "\nuniformity RMSE after each stage");
+        rows::heading(&mut text, "", ["R_x", "R_y", "S_z"]);
+        for stage in &result.stages {
+            let uniformity = stage.uniformity_rmse.to_array().map(uniformity_number);
+            rows::cells(&mut text, &format!("  {}", stage.stage.name()), uniformity);
+        }
     }
     let magnetized = result.tiles.iter().filter(|tile| tile.polarization_t() != DVec3::ZERO).count();
     let tiles = counted(magnetized, "tile", "tiles");
