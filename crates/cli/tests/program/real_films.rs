@@ -225,6 +225,21 @@ fn preset_stands_for_the_table_of_the_layout() {
     other.refuses("its samples have another film, other errors or other options of --sorted than film.toml");
 }
 
+/// Tiles that touch overlap as made. With a gap of six deviations of their distance they do not.
+#[test]
+fn overlaps_of_films_as_made_are_stated() {
+    let sandbox = Sandbox::new();
+    film(&sandbox, "position_mm = 0.02");
+    let run =
+        |options: &[&str]| sandbox.run(&[&["tolerance", "film.toml", "--samples", "30"], options].concat()).stdout;
+    let depth_mm = json(&run(&["--format", "json"]))["overlap_mm"].as_f64().expect("a number");
+    assert!(depth_mm > 0.02 && depth_mm < 0.02 * 2_f64.sqrt() * 6.0, "{depth_mm}");
+    let text = run(&[]);
+    assert!(text.contains(&format!("overlap by up to {depth_mm:.2} mm")), "{text}");
+    film(&sandbox, "position_mm = 1e-12");
+    assert_eq!(json(&run(&["--format", "json"]))["overlap_mm"], 0.0);
+}
+
 /// A bound at the median of x is kept by half of the films, whatever the others.
 #[test]
 fn yield_counts_the_films_that_keep_the_bounds_of_made_films() {

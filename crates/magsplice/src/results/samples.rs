@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 use magsplice_decouple::Figures;
 use magsplice_expect::keeps_bounds;
 use magsplice_layout::{FigureBounds, FilmTolerance};
+use magsplice_magnet::overlaps;
 use magsplice_making::{PlaceGroup, SortedSampler, Sorting};
 use magsplice_tolerance::{Estimate, EvaluationGrid, RealFilm, SampleError, Sampler, Statistics, share, statistics};
 use serde::Serialize;
@@ -26,6 +27,12 @@ const BYTES_PER_POINT: f64 = 48.0;
 /// Bytes of a sample for each point: readings and parameters. Measured with both: 174 for two
 /// threads.
 const BYTES_PER_THREAD: f64 = 64.0;
+
+/// Number of samples whose tiles are searched for overlaps. Tiles that touch overlap in the first.
+const SEARCHED_FOR_OVERLAPS: u64 = 20;
+
+/// Depth of an overlap that counts, in millimetres: the resolution of machine tools.
+const LEAST_OVERLAP_MM: f64 = 1e-3;
 
 /// A run of samples: the hash of the sampled film, the seed, and the numbers of the samples.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -56,6 +63,10 @@ pub struct SampledFilm {
     /// Nominal values and statistics.
     #[serde(flatten)]
     pub figures: Figures<SampledFigure>,
+    /// Depth to which tiles overlap in the first 20 samples, beyond what the layout allows, in
+    /// millimetres; 0 without overlaps. Errors of neighbours are independent, but placed tiles push
+    /// each other aside. `None` for sorted tiles.
+    pub overlap_mm: Option<f64>,
     /// The share of the samples that keep all bounds of `[expect.made]`. `None` without bounds.
     /// Bounds of `[expect]` are for the film as ordered, and no sample is compared with them.
     pub yield_made: Option<Estimate>,
@@ -147,13 +158,24 @@ impl FilmSampling {
         let sampled =
             |figure| Some(SampledFigure { nominal: *nominal.get(figure)?, statistics: *statistics.get(figure)? });
         let made = &self.film.layout().expectations.made;
+        let overlap_mm = sorting.is_none().then(|| self.overlap_mm(&run));
         Ok(SampledFilm {
             source: Source::of(&self.film),
             run,
             sorting,
             figures: Figures::from_fn(sampled).expect("only a uniformity is undefined"),
+            overlap_mm,
             yield_made: made.as_ref().and_then(|made| keeping(&made.bounds, samples)),
         })
+    }
+
+    /// The largest depth to which tiles overlap in the first samples of a run.
+    fn overlap_mm(&self, run: &SampleRun) -> f64 {
+        let made = run.range().take(SEARCHED_FOR_OVERLAPS as usize).filter_map(|n| self.real.sample(run.seed, n).ok());
+        let deepest_mm = made
+            .flat_map(|sample| overlaps(sample.tiles()).map(|pair| pair.depth).collect::<Vec<_>>())
+            .fold(0.0, f64::max);
+        if deepest_mm > self.film.layout().overlap_mm.max(LEAST_OVERLAP_MM) { deepest_mm } else { 0.0 }
     }
 
     fn sampler_of<'s>(&'s self, film: &'s RealFilm, seed: u64) -> Result<Sampler<'s>, FilmError> {

@@ -28,6 +28,10 @@ class SampledFilm(OfFilm, Figures[SampledFigure]):
     seed: int = key("Seed of the samples.")
     first: int = key("Number of the first sample.")
     count: int = key("Number of samples.")
+    overlap_mm: float | None = key(
+        """Depth to which tiles overlap in the first 20 samples, in millimetres, because the errors
+        of neighbours are independent. 0 without overlaps; None for sorted tiles."""
+    )
     yield_made: Estimate | None = key(
         "Share that keeps ``[expect.made]``; None without bounds.", Estimate
     )

@@ -30,6 +30,13 @@ pub(crate) fn samples(film: &Film, result: &SampledFilm) -> String {
     if let Some(sorting) = &result.sorting {
         rows::prose(&mut text, &sorted_in_words(sorting));
     }
+    if let Some(depth_mm) = result.overlap_mm.filter(|depth_mm| *depth_mm > 0.0) {
+        let overlap = format!(
+            "tiles of the first samples overlap by up to {depth_mm:.2} mm, because the errors of neighbours are \
+             independent: placed tiles push each other aside, which a gap between them avoids"
+        );
+        rows::prose(&mut text, &overlap);
+    }
     text.push('\n');
     let names = ["", "nominal", "mean", "P50", "P95", "P99", "P95 is within"].map(str::to_owned);
     let mut table = vec![names];
