@@ -155,6 +155,21 @@ fn wild_forces_are_excluded_and_named() {
     assert!(said.stderr.contains("line 21: excluded as incomplete: a force is missing"), "{}", said.stderr);
 }
 
+/// The published film is the same with x and y exchanged, so that exchanged columns give positions.
+#[test]
+fn exchanged_columns_are_named() {
+    let sandbox = Sandbox::new();
+    let film = sandbox.published_with("");
+    calibrated(&sandbox, &displaced(&sandbox), [0.0, 0.0], 1);
+    sandbox.write("forces.csv", &sandbox.read("forces.csv").replacen("Bx (uT);By (uT)", "By (uT);Bx (uT)", 1));
+    let said = sandbox.run(&["calibrate", "forces.csv", "--layout", &film]);
+    for axis in ["x", "y"] {
+        let named = format!("the force along {axis} follows displacements along other axes, not along {axis}");
+        assert!(said.stderr.contains(&named), "{}", said.stderr);
+    }
+    assert!(!said.stderr.contains("the force along z"), "{}{}", said.stderr, said.stdout);
+}
+
 /// Forces that point against the motion, and a film that moves along z alone.
 #[test]
 fn negative_and_missing_stiffnesses_are_named() {

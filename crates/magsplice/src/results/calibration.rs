@@ -1,6 +1,6 @@
 //! The stiffness of the elastic layer, from forces and readings.
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use magsplice_decouple::PerAxis;
 use magsplice_magnet::Axis;
 use magsplice_scan::Exclusion;
@@ -11,6 +11,22 @@ use super::readings::FilmReadings;
 use super::scan::ExcludedReadings;
 use super::source::Source;
 use crate::film_error::FilmError;
+
+/// Least share of the coefficients of a force, in the fit to displacements along all three axes,
+/// that its own axis has: axes turned by 60 degrees have it. Axes along which the film moves alike
+/// have a half each.
+const OWN_SHARE: f64 = 0.25;
+
+/// Least share of the variation of a force that the fit explains: other forces are noise.
+const EXPLAINED: f64 = 0.5;
+
+/// Least deviation of the displacement along an axis over the largest, without which a force along
+/// it tells nothing.
+const LEAST_MOTION: f64 = 0.2;
+
+/// Added to the correlations of the displacements, so that those along a line have a fit too, with
+/// equal shares: far above round-off and the noise of a sensor, far below a measured correlation.
+const RIDGE: f64 = 1e-3;
 
 /// The stiffness along x, y, z, in N/mm and N. An axis without forces or without displacements has
 /// none.
@@ -29,6 +45,9 @@ pub struct FilmCalibration {
     pub by_closed_form: Option<PerAxis<Option<Stiffness>>>,
     /// The reasons why axes have no stiffness by the field of the layout.
     pub without_stiffness: PerAxis<Option<String>>,
+    /// Axes whose force follows displacements along other axes, if the film moves along all.
+    #[serde(skip)]
+    pub exchanged: Vec<Axis>,
     /// Readings that the fit of an axis does not use, though it has other forces.
     pub excluded: ExcludedReadings,
 }
@@ -84,9 +103,32 @@ impl FilmReadings {
             by_field: per_axis(by_field),
             by_closed_form: by_closed_form.map(per_axis),
             without_stiffness: PerAxis { x, y, z },
+            exchanged: exchanged(forces_n, &self.displacement_mm()),
             excluded: ExcludedReadings::new(&exclusions, numbers),
         })
     }
+}
+
+/// Axes whose force follows displacements along other axes.
+fn exchanged(forces_n: &[DVec3], displacements_mm: &[DVec3]) -> Vec<Axis> {
+    let pairs = || forces_n.iter().zip(displacements_mm).filter(|(of, by)| of.is_finite() && by.is_finite());
+    let count = pairs().count().max(1) as f64;
+    let mean = |of: &dyn Fn(&DVec3, &DVec3) -> DVec3| pairs().map(|(force, by)| of(force, by)).sum::<DVec3>() / count;
+    let (force, moved) = (mean(&|force, _| *force), mean(&|_, by| *by));
+    // In units of their deviations, so that coefficients are comparable.
+    let deviation = mean(&|_, by| (*by - moved).powf(2.0)).map(f64::sqrt);
+    let unit = |by: &DVec3| (*by - moved) / deviation;
+    let correlations = DMat3::from_cols_array_2d(&[0, 1, 2].map(|j| mean(&|_, by| unit(by)[j] * unit(by)).to_array()));
+    let inverse = (correlations + DMat3::from_diagonal(DVec3::splat(RIDGE))).inverse();
+    let is_exchanged = |axis: &Axis| {
+        let i = axis.index();
+        let covariances = mean(&|of, by| (of - force)[i] * unit(by));
+        let fitted = inverse * covariances;
+        let explained = fitted.dot(covariances) / mean(&|of, _| (of - force).powf(2.0))[i];
+        let own_share = fitted[i].powi(2) / fitted.length_squared();
+        deviation[i] > LEAST_MOTION * deviation.max_element() && explained > EXPLAINED && own_share < OWN_SHARE
+    };
+    Axis::ALL.into_iter().filter(is_exchanged).collect()
 }
 
 /// The error of the first axis, if all have one.
@@ -105,7 +147,7 @@ impl FilmCalibration {
         Axis::ALL.into_iter().filter(|axis| axes[axis.index()].as_ref().is_some_and(is_negative)).collect()
     }
 
-    /// Axes without a stiffness or with a negative one, one sentence each.
+    /// Exchanged axes, and axes without a stiffness or with a negative one, one sentence each.
     pub fn remarks(&self) -> Vec<String> {
         let reasons = [&self.without_stiffness.x, &self.without_stiffness.y, &self.without_stiffness.z];
         let without = Axis::ALL.into_iter().zip(reasons);
@@ -117,6 +159,12 @@ impl FilmCalibration {
                  reverse the sign of the forces, or check the axes of the sensor"
             )
         });
-        without.chain(negative).collect()
+        let exchanged = self.exchanged.iter().map(|axis| {
+            format!(
+                "the force along {axis} follows displacements along other axes, not along {axis}: the columns of the \
+                 forces or of the sensor are exchanged"
+            )
+        });
+        exchanged.chain(without).chain(negative).collect()
     }
 }
