@@ -7,6 +7,7 @@ use crate::exclusion::Exclusion;
 use crate::fit_error::ScanError;
 use crate::least_squares::{Scan, ScanFit};
 use crate::parameters::{FreeParameters, ScanParameters};
+use crate::signed_axes::SignedAxes;
 use crate::starts::{SIMILAR, Search, Start, starts};
 
 /// Number of standard deviations from the fit beyond which a component is an outlier. Among a
@@ -50,6 +51,9 @@ const MOST_RESIDUAL: f64 = 0.2;
 /// residual is the noise.
 const HELD: f64 = 1.5;
 
+/// Units in which positions are given by mistake, and their lengths in the unit of the tiles.
+const UNITS: [(&str, f64); 4] = [("inches", 25.4), ("centimetres", 10.0), ("metres", 1e3), ("micrometres", 1e-3)];
+
 /// Fits the parameters of a scan: readings of a sensor, in tesla, at positions of the scan.
 ///
 /// Gauss-Newton steps use the exact field and its gradient. They begin with the orientation that
@@ -63,7 +67,8 @@ const HELD: f64 = 1.5;
 /// or 10 %, with nearly the strength of the layout), other starts are searched, as far as `free`
 /// has rotation and start: the 48 signed exchanges of the axes of the stage, then shifts of the
 /// scan about `centre`, the likely place of its middle. A start with more changes is reported if it
-/// fits twice as well.
+/// fits twice as well. Where z counted downwards brings the scan nearer to `centre`, this is tried
+/// first: below a symmetric film, one plane looks like one of a sensor with a reversed axis.
 ///
 /// # Errors
 /// See [`ScanError`].
@@ -102,11 +107,25 @@ pub fn fit_scan<'a>(
         let least_t = fits.iter().map(|fit| fit.noise_t).fold(f64::INFINITY, f64::min);
         fits.into_iter().find(|fit| fit.noise_t <= SIMILAR * least_t)
     };
+    if let Some(fit) = downwards(points, centre).filter(|_| free.start).and_then(|start| from(&start).ok())
+        && is_expected(&fit)
+    {
+        return Ok(fit);
+    }
     let oriented = found(Search::Sensor);
     let mut best = match oriented {
         Some(fit) if is_expected(&fit) => Ok(fit),
         oriented => better(from(&Start::PERFECT), oriented),
     };
+    if !best.as_ref().is_ok_and(is_expected) {
+        let is_explained = |length: f64| {
+            let scaled: Vec<DVec3> = points.iter().map(|point| length * *point).collect();
+            fit_from(&field, &scaled, &readings_t, &unusable, free, &Start::PERFECT).is_ok_and(|fit| is_expected(&fit))
+        };
+        if let Some((unit, length)) = UNITS.into_iter().find(|(_, length)| is_explained(*length)) {
+            return Err(ScanError::Unit { unit, length });
+        }
+    }
     for search in [Search::Stage, Search::Shifts] {
         if !best.as_ref().is_ok_and(is_expected) {
             best = better(best, found(search));
@@ -118,6 +137,15 @@ pub fn fit_scan<'a>(
         return Err(ScanError::Misfit { residual_t: fit.noise_t, reading_t });
     }
     Ok(fit)
+}
+
+/// The start with z of the stage counted downwards, if the middle of the scan then is nearer to
+/// `centre`.
+fn downwards(points: &[DVec3], centre: Option<DVec3>) -> Option<Start> {
+    let z = || points.iter().map(|point| point.z);
+    let middle = 0.5 * (z().fold(f64::INFINITY, f64::min) + z().fold(f64::NEG_INFINITY, f64::max));
+    let is_nearer = (-middle - centre?.z).abs() < (middle - centre?.z).abs();
+    is_nearer.then(|| Start { stage_axes: SignedAxes::DOWNWARDS, ..Start::PERFECT })
 }
 
 /// Fits all parameters or, where errors of tiles look like another strength and height, all but the
@@ -181,11 +209,13 @@ fn is_expected(fit: &ScanFit, readings_t: &[DVec3], noise_t: f64) -> bool {
     (strength > 0.0 && is_small) || (is_close && residual <= MADE_RESIDUAL)
 }
 
-/// Root mean square of a component of the readings of a fit, without their offset.
+/// Root mean square of a component of the readings of a fit, without their offset. An offset that a
+/// wrong fit invents does not enlarge it.
 fn root_mean_square(fit: &ScanFit, readings_t: &[DVec3]) -> f64 {
-    let used = (0..readings_t.len()).filter(|index| fit.exclusions[*index].is_none());
-    let squares: Vec<f64> = used.map(|index| (readings_t[index] - fit.offset_t()).length_squared()).collect();
-    (squares.iter().sum::<f64>() / (3 * squares.len().max(1)) as f64).sqrt()
+    let used = || (0..readings_t.len()).filter(|index| fit.exclusions[*index].is_none());
+    let squares = |offset_t: DVec3| used().map(|index| (readings_t[index] - offset_t).length_squared()).sum::<f64>();
+    let least = squares(fit.offset_t()).min(squares(DVec3::ZERO));
+    (least / (3 * used().count().max(1)) as f64).sqrt()
 }
 
 /// The fit from a start, with outliers excluded.

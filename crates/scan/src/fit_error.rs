@@ -51,6 +51,16 @@ pub enum ScanError {
         /// Root mean square of a component of the readings without offset, in tesla.
         reading_t: f64,
     },
+    /// The readings fit the film at positions in another unit.
+    #[error(
+        "the readings fit the film at positions {length} times as large: the positions are in {unit}, must be in mm"
+    )]
+    Unit {
+        /// The unit of the positions.
+        unit: &'static str,
+        /// Its length in the unit of the tiles.
+        length: f64,
+    },
     /// The steps did not converge.
     #[error(
         "the fit does not converge: the positions may have errors of more than a quarter of a wavelength, or errors of \

@@ -18,6 +18,9 @@ impl SignedAxes {
     /// All axes as they are.
     pub const SAME: SignedAxes = SignedAxes { axes: Axis::ALL, is_reversed: [false; 3] };
 
+    /// z is reversed.
+    pub(crate) const DOWNWARDS: SignedAxes = SignedAxes { axes: Axis::ALL, is_reversed: [false, false, true] };
+
     /// The 48 exchanges. The fewer changes, the earlier: [`SignedAxes::SAME`] is the first.
     pub fn all() -> Vec<SignedAxes> {
         let [x, y, z] = Axis::ALL;

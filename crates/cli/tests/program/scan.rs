@@ -182,6 +182,34 @@ fn scans_that_cannot_be_fitted_are_refused() {
     with(&format!("{names}\n0,0,-4,0,a,3\n")).refuses("line 2: by_mt = \"a\", must be a finite number");
 }
 
+/// One plane with z counted downwards is no plane of a sensor with reversed axes. Positions in
+/// another unit are an error, in `diagnose` too.
+#[test]
+fn planes_counted_downwards_and_positions_in_another_unit_are_named() {
+    let sandbox = Sandbox::new();
+    let film = sandbox.published_with("");
+    let (names, field) = ("x_mm,y_mm,z_mm,bx_t,by_t,bz_t", field(&sandbox));
+    let plane = |sign: f64| -> Vec<Vec<f64>> {
+        let nearest = field.iter().filter(|row| row[2] == -3.0);
+        nearest.map(|row| vec![row[0], row[1], 3.0, row[3], row[4], sign * row[5]]).collect()
+    };
+    write(&sandbox, names, &plane(1.0));
+    let said = sandbox.run(&["scan", "scan.csv", "--layout", &film]);
+    assert!(said.stdout.contains("axes of the positions: z is reversed: change their columns"), "{}", said.stdout);
+    assert!(!said.stdout.contains("axes of the sensor"), "{}", said.stdout);
+    let said = sandbox.run(&["diagnose", &film, "--scan", "scan.csv", "--noise", "1uT"]);
+    said.refuses("axes of the positions: z is reversed: change their columns");
+    for (unit, length) in [("inches", 25.4), ("metres", 1e3), ("micrometres", 1e-3)] {
+        let scaled =
+            |row: &Vec<f64>| row.iter().enumerate().map(|(n, v)| if n < 3 { v / length } else { *v }).collect();
+        write(&sandbox, names, &field.iter().map(scaled).collect::<Vec<_>>());
+        for verb in [&["scan", &film, "scan.csv"][..], &["diagnose", &film, "--scan", "scan.csv", "--noise", "1uT"]] {
+            let said = sandbox.run(verb);
+            said.refuses(&format!("times as large: the positions are in {unit}, must be in mm; the unit stands in"));
+        }
+    }
+}
+
 /// The scan of a film that is 3 % stronger, with exchanged axes, a turned sensor, the coordinates
 /// of a stage, z counted downwards, and missing cells: the strength is found, and the cause is
 /// named.

@@ -231,7 +231,7 @@ impl Film {
         };
         let is_residual_too_large = diagnosis.is_residual_too_large();
         let is_rejected = is_residual_too_large || !diagnosis.has_possible_errors(&tiles);
-        let placement = is_rejected.then(|| placed.explaining(diagnosis.residual_t())).flatten();
+        let placement = is_rejected.then(|| placed.explaining(diagnosis.residual_t())).transpose()?.flatten();
         let listed = if is_rejected { &[][..] } else { &diagnosis.detected };
         let similar = diagnosis.similar.iter().map(|of| SimilarPair {
             tiles: [of.first.0, of.second.0].map(name),

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use magsplice_field::Scene;
 use magsplice_magnet::Quantity;
-use magsplice_scan::{FreeParameters, ScanError, ScanParameters, fit_scan};
+use magsplice_scan::{FreeParameters, ScanError, ScanFit, ScanParameters, fit_scan};
 
 use super::placement::SensorPlacement;
 use crate::film_error::FilmError;
@@ -59,8 +59,8 @@ impl<'a> PlacedScan<'a> {
         }
         let start = fit.map_or(ScanParameters::PERFECT, |fit| fit.parameters);
         let [residual_t, reading_t] = self.medians(&start)?;
-        let placement = (residual_t > MISPLACED * reading_t).then(|| self.explaining(residual_t)).flatten();
-        match placement {
+        let placement = (residual_t > MISPLACED * reading_t).then(|| self.explaining(residual_t)).transpose()?;
+        match placement.flatten() {
             Some(placement) => Err(FilmError::Misplaced(Box::new(placement))),
             None if residual_t > HOPELESS * reading_t => {
                 Err(FilmError::Scan(ScanError::Misfit { residual_t, reading_t }))
@@ -70,10 +70,17 @@ impl<'a> PlacedScan<'a> {
     }
 
     /// The placement of the sensor that explains the scan, if it leaves much less than a residual.
-    pub(super) fn explaining(&self, residual_t: f64) -> Option<SensorPlacement> {
-        let fit = fit_scan(self.ordered, self.points_mm, self.field_t, FreeParameters::ALL, self.centre_mm).ok()?;
+    ///
+    /// # Errors
+    /// [`FilmError::Scan`] for positions in another unit.
+    pub(super) fn explaining(&self, residual_t: f64) -> Result<Option<SensorPlacement>, FilmError> {
+        let fit = fit_scan(self.ordered, self.points_mm, self.field_t, FreeParameters::ALL, self.centre_mm);
+        if let Err(error @ ScanError::Unit { .. }) = fit {
+            return Err(FilmError::Scan(error));
+        }
         let excess = |residual_t: f64| residual_t.powi(2) - self.noise_squared;
-        (excess(fit.noise_t) < EXPLAINED * excess(residual_t)).then(|| SensorPlacement::new(&fit))
+        let explains = |fit: &ScanFit| excess(fit.noise_t) < EXPLAINED * excess(residual_t);
+        Ok(fit.ok().filter(explains).map(|fit| SensorPlacement::new(&fit)))
     }
 
     /// Residual and reading of one component, in tesla, from the medians of their squares, in which

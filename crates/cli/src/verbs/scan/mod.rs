@@ -8,7 +8,7 @@ use magsplice::FilmError;
 use magsplice::prelude::DVec3;
 #[cfg(feature = "report")]
 use magsplice::results::FilmScan;
-use magsplice::scan::{DiagnosisError, Exclusion};
+use magsplice::scan::{DiagnosisError, Exclusion, ScanError};
 #[cfg(feature = "report")]
 use magsplice_report::scan_figures;
 
@@ -117,6 +117,9 @@ pub(super) fn refused(session: &Session, scan: &Path, lines: &[u64], error: Film
                 faults.add(line, format!("line {line}: {cause}"));
             }
             return faults.failure(scan.display());
+        }
+        FilmError::Scan(error @ ScanError::Unit { .. }) => {
+            format!("{error}; the unit stands in the names of their columns, such as \"x (in)\"")
         }
         FilmError::Scan(error) => error.to_string(),
         FilmError::Misplaced(placement) => placement.to_string(),
