@@ -41,7 +41,8 @@ pub(crate) fn scan<'py>(
     let free = fit.as_deref().map(free_parameters);
     let found = film.run(py, |film| film.scan(points, readings_t, &indices, free))?;
     let arrays = with_arrays(py, &found, [("places_mm", rows_of(py, &found.places_mm).into_any())])?;
-    Ok((arrays, quantities(py, &found.table())?, found.remarks()))
+    let remarks = [found.exchanged_axes(), found.remarks()].concat();
+    Ok((arrays, quantities(py, &found.table())?, remarks))
 }
 
 /// A sample of a film as made with its scan, and the layout of this film.

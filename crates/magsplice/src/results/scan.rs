@@ -248,6 +248,15 @@ impl FilmScan {
         (self.sensor_noise_t > 0.0 && ratio > MOST_RESIDUAL).then_some(ratio)
     }
 
+    /// Exchanged and reversed axes with their remedies, one sentence each.
+    pub fn exchanged_axes(&self) -> Vec<String> {
+        let of_sensor = (self.sensor_axes != SignedAxes::SAME)
+            .then(|| format!("axes of the sensor: {}: {}", self.sensor_axes, self.sensor_axes.remedy()));
+        let of_stage = (self.stage_axes != SignedAxes::SAME)
+            .then(|| format!("axes of the positions: {}: change their columns", self.stage_axes));
+        of_sensor.into_iter().chain(of_stage).collect()
+    }
+
     /// Why the fit is hardly the fit of this film, one sentence each.
     pub fn remarks(&self) -> Vec<String> {
         let strength = self.has_implausible_strength().then(|| {

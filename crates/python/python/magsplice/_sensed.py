@@ -117,7 +117,7 @@ class Sensed(Assembly):
         Warns
         -----
         MeasurementWarning
-            If an axis with forces has no stiffness, or a negative one.
+            If axes are exchanged, or an axis with forces has no stiffness, or a negative one.
         """
         (forces, shape), (readings, _) = flattened(forces_n), flattened(readings_t)
         if len(forces) != len(readings):
@@ -250,7 +250,7 @@ class Sensed(Assembly):
         Warns
         -----
         MeasurementWarning
-            If the scan is hardly of this film.
+            If axes are exchanged or reversed, or the scan is hardly of this film.
 
         Examples
         --------

@@ -33,6 +33,10 @@ _COLUMNS = {
 }
 
 
+#: Number of readings whose arrays are printed.
+_MOST_ROWS = 3
+
+
 class Readings(OfFilm, Table):
     """Results from readings of a sensor. NaN where a reading has no value."""
 
@@ -67,6 +71,11 @@ class Readings(OfFilm, Table):
     def _shown(self) -> Iterator[tuple[str, Any]]:
         counts = np.bincount(self.status.ravel(), minlength=len(STATUS))
         yield from super()._shown()
+        for name in _COLUMNS:
+            array = getattr(self, name)
+            rows = () if array is None else array.reshape(-1, 3)[:_MOST_ROWS]
+            for index, row in enumerate(rows):
+                yield from lines({f"{name}[{index}]": row.tolist()}, name)
         yield from ((text, count) for text, count in zip(STATUS, counts, strict=True) if count)
 
 

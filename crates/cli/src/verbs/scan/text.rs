@@ -5,7 +5,7 @@ use std::path::Path;
 
 use magsplice::Film;
 use magsplice::results::{ExcludedReadings, FilmScan, FittedScan};
-use magsplice::scan::{FreeParameters, SignedAxes};
+use magsplice::scan::FreeParameters;
 
 use crate::text::number::{counted, number, point};
 use crate::text::units::in_ut;
@@ -27,7 +27,9 @@ pub(super) fn scan(film: &Film, scan: &Path, found: &FilmScan) -> String {
     }
     rows::cell(&mut text, "residual of a component, uT", &number(in_ut(found.residual_t)));
     excluded(&mut text, &found.excluded);
-    axes(&mut text, found);
+    for exchanged in found.exchanged_axes() {
+        let _ = writeln!(text, "{exchanged}");
+    }
     if let Some(uniformity) = &found.uniformity_rmse {
         text.push('\n');
         rows::heading(&mut text, "uniformity RMSE (Eq. 15)", ["R_x", "R_y", "S_z"]);
@@ -54,16 +56,6 @@ pub(crate) fn excluded(text: &mut String, excluded: &ExcludedReadings) {
         if !numbers.is_empty() || reason == "outliers" {
             rows::cell(text, &format!("{reason}, excluded"), &numbers.len().to_string());
         }
-    }
-}
-
-/// Appends exchanged axes.
-fn axes(text: &mut String, found: &FilmScan) {
-    if found.sensor_axes != SignedAxes::SAME {
-        let _ = writeln!(text, "axes of the sensor: {}: {}", found.sensor_axes, found.sensor_axes.remedy());
-    }
-    if found.stage_axes != SignedAxes::SAME {
-        let _ = writeln!(text, "axes of the positions: {}: change their columns", found.stage_axes);
     }
 }
 
