@@ -5,6 +5,7 @@ use magsplice::Film;
 use crate::drawing::{Drawing, FigureDraft, SvgText};
 use crate::error::ReportError;
 use crate::figure_drafts::drafts;
+use crate::figures::layout_from_above;
 use crate::film_results::{FilmResults, ReportInput};
 use crate::panel::NUMBERS_PX;
 use crate::shared_ranges::SharedRanges;
@@ -56,9 +57,14 @@ pub fn print_figure(
         draft = FigureDraft::of_maps(draft.name, draft.caption, maps.stacked(component, width_px), draft.csv)?;
     }
     let Some(width_mm) = print.width_mm else { return draft.rendered(text) };
-    let natural_mm = draft.width_px()? / PX_PER_MM;
-    let scale = width_mm / natural_mm;
     let [least, most] = scales();
+    let natural_mm = draft.width_px()? / PX_PER_MM;
+    let width_px = width_mm * PX_PER_MM / (0.5 * (least + most));
+    if draft.name == layout_from_above::NAME && width_mm < least * natural_mm && width_px >= LEAST_COLUMN_PX {
+        let column = layout_from_above::in_column(film.layout(), width_px)?;
+        return column.scaled(text, width_mm * PX_PER_MM / width_px);
+    }
+    let scale = width_mm / natural_mm;
     if !(least - 1e-3..=most + 1e-3).contains(&scale) {
         return Err(width(&draft, width_mm, [least * natural_mm, most * natural_mm]));
     }

@@ -9,7 +9,9 @@ use crate::sheet::{DrawResult, Sheet};
 use crate::tile_shapes::{bounds, from_above};
 
 /// Length of the longer side of the panel of a whole film, in pixels.
-const ROOM_PX: f64 = 740.0;
+pub(super) const ROOM_PX: f64 = 740.0;
+/// Distance of such a panel from the left side of the sheet, in pixels.
+pub(super) const AXIS_PX: f64 = LEFT_PX + 6.0;
 /// Distance of such a panel from the upper side of the sheet, in pixels.
 pub(super) const TOP_PX: f64 = 14.0;
 /// Empty space around the tiles, as a fraction of the longer side.
@@ -22,11 +24,12 @@ pub(super) fn film_bounds<'a>(tiles: impl Iterator<Item = &'a Tile>) -> [DVec3; 
     bounds(tiles).unwrap_or([DVec3::ZERO, DVec3::ONE])
 }
 
-/// The panel of a figure with one large panel, for points between these corners.
-pub(super) fn film_panel([low, high]: [DVec3; 2]) -> Panel {
-    let per_mm = ROOM_PX / (high - low).truncate().max_element();
+/// The panel of a figure with one large panel, for points between these corners. Its longer side
+/// has `room_px`.
+pub(super) fn film_panel([low, high]: [DVec3; 2], room_px: f64) -> Panel {
+    let per_mm = room_px / (high - low).truncate().max_element();
     let [width, height] = [per_mm * (high.x - low.x), per_mm * (high.y - low.y)];
-    Panel { left: LEFT_PX + 6.0, top: TOP_PX, width, height, x: [low.x, high.x], y: [low.y, high.y] }
+    Panel { left: AXIS_PX, top: TOP_PX, width, height, x: [low.x, high.x], y: [low.y, high.y] }
 }
 
 /// Two panels beside each other which both show the tiles. `margin` is the empty space around them,
@@ -41,7 +44,7 @@ pub(super) fn two_panels<'a>(
     let margin = margin * (high - low).truncate().max_element();
     let (x, y) = ([low.x - margin, high.x + margin], [low.y - margin, high.y + margin]);
     let [width, height] = equal_scale(room_px, [x, y].map(|[low, high]| high - low));
-    let left = Panel { left: LEFT_PX + 6.0, top, width, height, x, y };
+    let left = Panel { left: AXIS_PX, top, width, height, x, y };
     [left, Panel { left: left.right() + gap, ..left }]
 }
 

@@ -14,7 +14,7 @@ use crate::panel::{BELOW_PX, Panel};
 use crate::sheet::{DrawResult, INK, LETTERS, Lettering, Sheet, sheet};
 use crate::typeset::rounded;
 
-use super::film_panel::{MARGIN, OUTLINE, TOP_PX, film_axes, film_bounds, film_panel, outline, upwards};
+use super::film_panel::{MARGIN, OUTLINE, ROOM_PX, TOP_PX, film_axes, film_bounds, film_panel, outline, upwards};
 use super::layout_legend::direction_wheel;
 
 /// Width of the legend at the right of the drawing, in pixels.
@@ -83,7 +83,7 @@ fn svg(tiles: &[DrawnForce], is_ordered: bool) -> Result<String, DrawError> {
     let tips = tips.map(|force| force.tile.tile.position() + arrow_mm / most_n * force.force_n);
     let (low, high) = tips.fold((low, high), |(low, high), tip| (low.min(tip), high.max(tip)));
     let margin = MARGIN * (high - low).truncate().max_element();
-    let panel = film_panel([low - margin, high + margin]);
+    let panel = film_panel([low - margin, high + margin], ROOM_PX);
     let forces = ForcePainter::new(tiles, panel, most_n, arrow_mm);
     let size = [panel.right() + LEGEND_PX, (panel.bottom() + BELOW_PX + 6.0).max(380.0)];
     sheet(size, |sheet| {

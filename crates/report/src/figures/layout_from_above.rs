@@ -15,12 +15,16 @@ use crate::sheet::{DrawResult, INK, Sheet, sheet};
 use crate::survey::tiles_to_draw;
 use crate::typeset::plain;
 
-use super::film_panel::{MARGIN, OUTLINE, TOP_PX, film_axes, film_bounds, film_panel, outline, top_mm, upwards};
+use super::film_panel::{
+    AXIS_PX, MARGIN, OUTLINE, ROOM_PX, TOP_PX, film_axes, film_bounds, film_panel, outline, top_mm, upwards,
+};
 use super::layout_legend::LayoutLegend;
 use super::tile_annotations::{Annotation, Annotations, Rectangle, TileOnSheet, annotations, arrow_width};
 
 /// Width of the legend at the right of the drawing, in pixels.
 const LEGEND_PX: f64 = 190.0;
+/// Space at the right of a drawing without a legend there, in pixels.
+const RIGHT_PX: f64 = 12.0;
 /// Minimum of half the shorter side, as a fraction of the longer side.
 const MIN_HALF_SIDE: f64 = 0.06;
 
@@ -39,8 +43,25 @@ pub fn layout_figure(layout: &Layout, text: SvgText) -> Result<Drawing, ReportEr
     draft(layout, &tiles_to_draw(layout), &SharedRanges::default())?.rendered(text)
 }
 
+/// Name of the figure.
+pub(crate) const NAME: &str = "layout";
+
 /// The figure of these tiles of a layout.
 pub(crate) fn draft(layout: &Layout, tiles: &[&NamedTile], ranges: &SharedRanges) -> Result<FigureDraft, ReportError> {
+    of_width(layout, tiles, ranges, None)
+}
+
+/// The figure for a column of a page: `width_px` wide, with its legend below.
+pub(crate) fn in_column(layout: &Layout, width_px: f64) -> Result<FigureDraft, ReportError> {
+    of_width(layout, &tiles_to_draw(layout), &SharedRanges::default(), Some(width_px))
+}
+
+fn of_width(
+    layout: &Layout,
+    tiles: &[&NamedTile],
+    ranges: &SharedRanges,
+    column_px: Option<f64>,
+) -> Result<FigureDraft, ReportError> {
     let caption = "The tiles seen from above, with their polarization and their names.";
     // The columns of `import`: sides and J along the axes of the tile.
     let row = |named: &&NamedTile| {
@@ -49,16 +70,18 @@ pub(crate) fn draft(layout: &Layout, tiles: &[&NamedTile], ranges: &SharedRanges
         (quoted(&named.name) + ",", numbers.chain(named.tile.rotation().to_array()))
     };
     let header = "name,x_mm,y_mm,z_mm,size_x_mm,size_y_mm,size_z_mm,jx_t,jy_t,jz_t,qx,qy,qz,qw";
-    let drawn = draw(tiles, layout.tiles.len(), layout.volume.as_ref(), ranges);
-    FigureDraft::new("layout", caption, drawn, csv(header, tiles.iter().map(row)))
+    let drawn = draw(tiles, layout.tiles.len(), layout.volume.as_ref(), ranges, column_px);
+    FigureDraft::new(NAME, caption, drawn, csv(header, tiles.iter().map(row)))
 }
 
-/// The figure as SVG. `tiles` are the ones drawn, `all` is the number of tiles of the layout.
+/// The figure as SVG. `tiles` are the ones drawn, `all` is the number of tiles of the layout. The
+/// legend is at the right or, in a column of a page, below.
 fn draw(
     tiles: &[&NamedTile],
     all: usize,
     volume: Option<&WorkingVolume>,
     ranges: &SharedRanges,
+    column_px: Option<f64>,
 ) -> Result<String, DrawError> {
     let most_t = tiles.iter().map(|named| named.tile.polarization_t().length()).fold(0.0, f64::max);
     let [low, high] = film_bounds(tiles.iter().map(|named| &named.tile));
@@ -70,8 +93,14 @@ fn draw(
     let (low, high) = (DVec3::new(x[0], y[0], low.z), DVec3::new(x[1], y[1], high.z));
     let (longest, middle) = ((high - low).truncate().max_element(), 0.5 * (low + high));
     let half = (0.5 * (high - low)).max(DVec3::splat(MIN_HALF_SIDE * longest)) + MARGIN * longest;
-    let panel = film_panel([middle - half, middle + half]);
-    let size = [panel.right() + LEGEND_PX, (panel.bottom() + BELOW_PX + 6.0).max(470.0)];
+    let across = half.x / half.truncate().max_element();
+    let room_px = column_px.map_or(ROOM_PX, |width_px| (width_px - AXIS_PX - RIGHT_PX) / across);
+    let panel = film_panel([middle - half, middle + half], room_px);
+    let bottom = panel.bottom() + BELOW_PX + 6.0;
+    let (size, legend_at) = match column_px {
+        None => ([panel.right() + LEGEND_PX, bottom.max(470.0)], [panel.right() + 24.0, TOP_PX]),
+        Some(width_px) => ([width_px, bottom + LayoutLegend::HEIGHT_PX], [AXIS_PX, bottom]),
+    };
     sheet(size, |sheet| {
         let painter = TilePainter { panel, most_t, directions: DirectionColours::new() };
         let order = upwards(tiles, |named| top_mm(&named.tile));
@@ -107,8 +136,8 @@ fn draw(
             n => vec![format!("Tiles: {}\u{2026}", plain(prefix)), format!("({n} without room for it)")],
         };
         let legend = LayoutLegend {
-            left: panel.right() + 24.0,
-            top: TOP_PX,
+            at: legend_at,
+            is_below: column_px.is_some(),
             arrow_px,
             most_t,
             tiles,

@@ -12,10 +12,15 @@ use crate::typeset::{rounded, variable};
 use super::film_panel::tile_count;
 use super::tile_annotations::arrow_width;
 
-/// The legend at the right of the drawing.
+/// Distance of the marks from the left side of the colour circle beside them, in pixels.
+const BESIDE_WHEEL_PX: f64 = 160.0;
+
+/// The legend at the right of the drawing or below it.
 pub(super) struct LayoutLegend<'a> {
-    pub(super) left: f64,
-    pub(super) top: f64,
+    /// Its upper left corner.
+    pub(super) at: [f64; 2],
+    /// Whether it is below: the colour circle is then beside the marks, not above them.
+    pub(super) is_below: bool,
     /// The length of the arrow of the tile with the largest |J|, in pixels.
     pub(super) arrow_px: f64,
     /// The largest |J| in tesla.
@@ -31,11 +36,17 @@ pub(super) struct LayoutLegend<'a> {
 }
 
 impl LayoutLegend<'_> {
+    /// Height below a drawing, in pixels.
+    pub(super) const HEIGHT_PX: f64 = 200.0;
+
     pub(super) fn draw(&self, sheet: &Sheet, directions: &DirectionColours) -> DrawResult {
-        let left = self.left;
-        let mut y = self.top + 10.0;
-        y = direction_wheel(sheet, directions, light, left, y)? + 34.0;
-        y = self.marks(sheet, y)?;
+        let [left, top] = self.at;
+        let mut y = direction_wheel(sheet, directions, light, left, top + 10.0)? + 34.0;
+        let left = if self.is_below { left + BESIDE_WHEEL_PX } else { left };
+        if self.is_below {
+            y = top + 34.0;
+        }
+        y = self.marks(sheet, [left, y])?;
         for line in self.lines() {
             sheet.text([left, y], &line, LETTERS)?;
             y += 20.0;
@@ -44,8 +55,7 @@ impl LayoutLegend<'_> {
     }
 
     /// Draws the meaning of the arrow and the other marks from `y` down, and returns where it ends.
-    fn marks(&self, sheet: &Sheet, mut y: f64) -> Result<f64, PlotError> {
-        let left = self.left;
+    fn marks(&self, sheet: &Sheet, [left, mut y]: [f64; 2]) -> Result<f64, PlotError> {
         let polarization = |named: &&NamedTile| named.tile.scene_polarization_t() / self.most_t;
         if self.tiles.iter().any(|named| polarization(named).truncate().length() > VANISHING) {
             let length = self.arrow_px;

@@ -15,7 +15,7 @@ use crate::panel::{BELOW_PX, Panel};
 use crate::sheet::{DrawResult, INK, LETTERS, Sheet, rectangle, sheet};
 
 use super::film_panel::{
-    MARGIN, OUTLINE, TOP_PX, film_axes, film_bounds, film_panel, outline, tile_count, top_mm, upwards,
+    MARGIN, OUTLINE, ROOM_PX, TOP_PX, film_axes, film_bounds, film_panel, outline, tile_count, top_mm, upwards,
 };
 use super::tile_annotations::{Annotations, TileOnSheet, annotations, arrow_width};
 
@@ -73,7 +73,7 @@ pub fn placement_plan_figure(assigned: &FilmAssignment, text: SvgText) -> Result
 fn draw(tiles: &[DrawnTile]) -> Result<String, DrawError> {
     let [low, high] = film_bounds(tiles.iter().map(|drawn| drawn.tile));
     let margin = MARGIN * (high - low).truncate().max_element();
-    let panel = film_panel([low - margin, high + margin]);
+    let panel = film_panel([low - margin, high + margin], ROOM_PX);
     let size = [panel.right() + LEGEND_PX, (panel.bottom() + BELOW_PX + 6.0).max(300.0)];
     sheet(size, |sheet| {
         let order = upwards(tiles, |drawn| top_mm(drawn.tile));
