@@ -7,7 +7,7 @@ use glam::{DVec2, DVec3};
 use magsplice::FilmError;
 use magsplice::layout::{FilmTolerance, Layout, LayoutError, NamedTile, Preset};
 use magsplice::magnet::Tile;
-use magsplice_report::tile_outline;
+use magsplice_report::{tile_colours, tile_outline};
 use numpy::{PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
@@ -191,13 +191,15 @@ impl Film {
         Ok((names, position, size, polarization_t, rotation))
     }
 
-    /// The outline of each tile from above in millimetres, and J of the tiles in the frame of the
-    /// film in tesla.
-    fn _outlines<'py>(&self, py: Python<'py>) -> PyResult<(Vec<Rows<'py>>, Rows<'py>)> {
+    /// The outline of each tile from above in millimetres, J of the tiles in the frame of the film
+    /// in tesla, and their colours in reports: red, green and blue from 0 to 1.
+    fn _outlines<'py>(&self, py: Python<'py>) -> PyResult<(Vec<Rows<'py>>, Rows<'py>, Rows<'py>)> {
         let tiles = self.layout.bare_tiles();
         let outline = |tile: &Tile| rows(py, tile_outline(tile).iter().map(DVec2::to_array));
-        let polarization_t = rows(py, tiles.iter().map(|tile| tile.scene_polarization_t().to_array()))?;
-        Ok((tiles.iter().map(outline).collect::<PyResult<_>>()?, polarization_t))
+        let polarization_t = || tiles.iter().map(|tile| tile.scene_polarization_t());
+        let colours = tile_colours(polarization_t()).into_iter().map(|colour| colour.map(|c| f64::from(c) / 255.0));
+        let outlines = tiles.iter().map(outline).collect::<PyResult<_>>()?;
+        Ok((outlines, rows(py, polarization_t().map(|of| of.to_array()))?, rows(py, colours)?))
     }
 
     /// B of the ideal film at points, in tesla; NaN where they are not below the film.

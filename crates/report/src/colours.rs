@@ -141,6 +141,14 @@ impl DirectionColours {
     }
 }
 
+/// The colours of tiles in figures, by the directions of their polarizations: red, green and blue
+/// from 0 to 255.
+pub fn tile_colours(polarizations: impl IntoIterator<Item = DVec3>) -> Vec<[u8; 3]> {
+    let directions = DirectionColours::new();
+    let colour = |polarization| light(directions.colour(polarization));
+    polarizations.into_iter().map(colour).map(|RGBColor(r, g, b)| [r, g, b]).collect()
+}
+
 /// A paler colour, for large surfaces that carry text.
 pub(crate) fn light(colour: Rgb) -> RGBColor {
     let [r, g, b] = colour.map(|c| (f64::from(c) * 0.5 + 255.0 * 0.5).round() as u8);

@@ -69,6 +69,7 @@ mod typeset;
 /// The verdict and the most important numbers of a film.
 mod verdict;
 
+pub use colours::tile_colours;
 pub use drawing::{Drawing, SvgText};
 pub use error::ReportError;
 pub use figures::budget::budget_figure;

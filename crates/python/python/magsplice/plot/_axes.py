@@ -8,6 +8,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
+#: Colours of lines, as in reports.
+BLUE, VERMILION, BARS = "#0072b2", "#d55e00", "#a6cee3"
+
+
 def axes_or_new(ax: Axes | None) -> Axes:
     """Axes of the caller, or new ones."""
     if ax is not None:

@@ -8,7 +8,7 @@ import numpy as np
 
 from magsplice._film import Film, Front
 from magsplice._samples import Samples
-from magsplice.plot._axes import axes_or_new
+from magsplice.plot._axes import BARS, BLUE, VERMILION, axes_or_new
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -61,11 +61,11 @@ def samples(
     index = "xyz".index(axis)
     found = made.displacement_mm(axis)
     p95, nominal = found.p95, found.nominal
-    ax.hist(made.displacement_rmse_mm[:, index], bins=bins, color="0.7")
-    ax.axvline(p95.value, color="tab:red", label=f"95th percentile, {p95.value:.3g} mm")
+    ax.hist(made.displacement_rmse_mm[:, index], bins=bins, color=BARS)
+    ax.axvline(p95.value, color=VERMILION, label=f"95th percentile, {p95.value:.3g} mm")
     if np.isfinite((p95.low, p95.high)).all():
-        ax.axvspan(p95.low, p95.high, color="tab:red", alpha=0.2, lw=0)
-    ax.axvline(nominal, color="tab:blue", ls="--", label=f"as ordered, {nominal:.3g} mm")
+        ax.axvspan(p95.low, p95.high, color=VERMILION, alpha=0.2, lw=0)
+    ax.axvline(nominal, color=BLUE, ls="--", label=f"as ordered, {nominal:.3g} mm")
     ax.set(xlabel=f"displacement RMSE along {axis}, mm", ylabel="films", title=made.name)
     ax.legend()
     return ax

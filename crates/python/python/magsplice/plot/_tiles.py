@@ -9,7 +9,7 @@ import numpy as np
 from magsplice._arguments import one_of
 from magsplice._film import Film
 from magsplice.errors import MagspliceError
-from magsplice.plot._axes import axes_or_new
+from magsplice.plot._axes import BLUE, axes_or_new
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -26,17 +26,13 @@ def layout(film: Film, ax: Axes | None = None, *, names: bool = False) -> Axes:
         Whether to print the names of tiles.
     """
     ax = axes_or_new(ax)
-    from matplotlib import colormaps
     from matplotlib.patches import Polygon, Rectangle
 
     tiles = film.tiles
-    outlines, j_t = film._outlines()
+    outlines, j_t, colours = film._outlines()
     strongest = float(np.linalg.norm(j_t, axis=1).max(initial=0.0)) or 1.0
-    colours = colormaps["twilight"]
     for index in np.argsort(tiles.position_mm[:, 2]):
-        angle = np.arctan2(j_t[index, 1], j_t[index, 0]) / (2 * np.pi) % 1.0
-        colour = colours(angle) if np.hypot(*j_t[index, :2]) > 1e-9 * strongest else "lightgray"
-        ax.add_patch(Polygon(outlines[index], facecolor=colour, edgecolor="0.3", alpha=0.6))
+        ax.add_patch(Polygon(outlines[index], facecolor=colours[index], edgecolor="0.3"))
         if names:
             x, y = tiles.position_mm[index, :2]
             ax.annotate(tiles.names[index], (x, y), ha="center", va="bottom", fontsize="xx-small")
@@ -48,7 +44,7 @@ def layout(film: Film, ax: Axes | None = None, *, names: bool = False) -> Axes:
     )
     if film.volume is not None:
         (x0, x1), (y0, y1) = film.volume.x_mm, film.volume.y_mm
-        frame = Rectangle((x0, y0), x1 - x0, y1 - y0, fill=False, edgecolor="tab:blue", ls="--")
+        frame = Rectangle((x0, y0), x1 - x0, y1 - y0, fill=False, edgecolor=BLUE, ls="--")
         ax.add_patch(frame)
     ax.autoscale_view()
     ax.set(aspect="equal", xlabel="x, mm", ylabel="y, mm", title=film.name)
@@ -85,7 +81,7 @@ def recoil(
     values = 100 * found.weakening if quantity == "weakening" else found.angle_deg
     label = {"weakening": "weakening, %", "turn": "turn, degrees"}[quantity]
     order = np.argsort(film.tiles.position_mm[:, 2])
-    outlines, _ = film._outlines()
+    outlines, *_ = film._outlines()
     drawn = PolyCollection([outlines[index] for index in order], edgecolors="0.3")
     drawn.set_array(values[order])
     drawn.set_clim(min(0.0, values.min()), values.max())
