@@ -145,7 +145,7 @@ fn downwards(points: &[DVec3], centre: Option<DVec3>) -> Option<Start> {
     let z = || points.iter().map(|point| point.z);
     let middle = 0.5 * (z().fold(f64::INFINITY, f64::min) + z().fold(f64::NEG_INFINITY, f64::max));
     let is_nearer = (-middle - centre?.z).abs() < (middle - centre?.z).abs();
-    is_nearer.then(|| Start { stage_axes: SignedAxes::DOWNWARDS, ..Start::PERFECT })
+    is_nearer.then_some(Start { stage_axes: SignedAxes::DOWNWARDS, ..Start::PERFECT })
 }
 
 /// Fits all parameters or, where errors of tiles look like another strength and height, all but the

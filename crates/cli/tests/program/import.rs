@@ -347,7 +347,6 @@ fn one_euler_angle_needs_no_order() {
     assert_eq!(found[0]["rotation"], serde_json::json!({ "euler_deg": [30.0, 0.0, 0.0], "order": "zyx" }));
 }
 
-/// The example of docs/file-formats.md.
 /// A rotation about one axis is the same in every order that has this axis.
 #[test]
 fn one_euler_angle_goes_with_orders_of_a_repeated_axis() {
