@@ -115,7 +115,7 @@ fn at_limit(session: &Session, positions: &[DVec3], readings_t: &[DVec3]) -> Opt
     if impossible > 0 && is_beyond {
         let most = number(in_mt(strongest_t));
         return Some(if 2 * impossible > finite().count() {
-            format!("readings reach {largest}, and no tile has a polarization above {most} mT: check their unit")
+            format!("readings reach {largest}, the polarization of the tiles at most {most} mT: check their unit")
         } else {
             let readings = counted(impossible, "reading is", "readings are");
             format!("{readings} above {most} mT, the largest polarization of a tile: wild, or of another unit")

@@ -250,13 +250,14 @@ fn readings_beyond_the_range_name_the_setting_that_holds_them() {
     assert!(said.stderr.contains("another setting; correct range_mt in [sensor]\n"), "{}", said.stderr);
 }
 
-/// A magnet has no field above its polarization: such readings have another unit, or are wild.
+/// Fields below a film are smaller than its polarization: larger readings have another unit, or are
+/// wild.
 #[test]
 fn readings_that_no_tile_can_cause_are_of_another_unit() {
     let sensor = "\n[sensor]\npart = \"MLX90393\"\n";
     let remark = |readings: &str| read(readings, sensor, &[]).stderr;
     let other = remark("bx_t,by_t,bz_t\n0,0,2\n0.1,-0.2,2.5\n");
-    assert!(other.contains("no tile has a polarization above 120.000000 mT: check their unit"), "{other}");
+    assert!(other.contains("the polarization of the tiles at most 120.000000 mT: check their unit"), "{other}");
     let wild = remark("bx_mt,by_mt,bz_mt\n0,0,2\n0.1,-0.2,2.5\n0.1,300,2.5\n");
     assert!(wild.contains("1 reading is above 120.000000 mT, the largest polarization of a tile: wild"), "{wild}");
 }
