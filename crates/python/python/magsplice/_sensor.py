@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from magsplice._arrow import Column, Table, split
 from magsplice._layout import Floats, Vector, three_of
 from magsplice._points import flattened
-from magsplice._results import key
+from magsplice._results import key, lines
 from magsplice._source import OfFilm
 
 #: Meanings of the numbers in `Readings.status`.
