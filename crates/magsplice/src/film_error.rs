@@ -208,7 +208,7 @@ fn recoil_words(error: &RefinementError, tiles: &[String]) -> String {
              take fewer tiles"
         ),
         (RefinementError::NotConverged { best: Some(best), tolerance, reached, most_cells, needed_cells }, _) => {
-            let (times, cells) = (reached / tolerance, best.magnetization.cells().len());
+            let (times, cells) = (reached / tolerance, best.magnetization.fields_t().len());
             let needed_cells = *needed_cells as f64;
             format!(
                 "the error of recoil in B is {times:.1} times the allowed error with {cells} cells; about \

@@ -9,7 +9,9 @@ use magsplice_ideal::{Comparison, IdealFilm};
 use magsplice_layout::{Layout, WorkingVolume};
 use magsplice_magnet::{BoundingBox, Grid, Permeability, Quantity, Tile};
 use magsplice_recoil::tolerances::MAX_CELLS;
-use magsplice_recoil::{DemagnetizedCell, Magnetization, RecoilTile, RefinementError, TileChange, refine_within};
+use magsplice_recoil::{
+    DemagnetizedCell, Group, Magnetization, RecoilTile, RefinementError, TileChange, refine_within,
+};
 use serde::Serialize;
 
 use crate::film_error::FilmError;
@@ -29,10 +31,6 @@ const POINTS_OUTSIDE: f64 = 1.0;
 /// stated error. It is that of the cell beside the point, and unbounded at edges.
 const NEAREST: f64 = 0.01;
 
-/// Share of the stated error that the extrapolated values of a refinement may have. The field is
-/// that of the cells, which differs from them by at most a third of their error.
-const TOLERANCE_MARGIN: f64 = 0.75;
-
 /// Most tiles for which [`RecoilEstimate::new`] gives an estimate, so that `check` stays fast.
 const MOST_ESTIMATED_TILES: usize = 1_000;
 
@@ -50,7 +48,7 @@ pub struct FilmRecoil {
 /// What recoil changes in a film, with estimates of the errors.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RecoilSummary {
-    /// Number of cells.
+    /// Number of cells of the last level.
     pub cells: usize,
     /// Level of division.
     pub level: usize,
@@ -126,27 +124,25 @@ impl FilmRecoil {
         let tolerances = |rigid: &[f64], values: &[f64]| {
             let change_t = largest_vector(&differences(&values[..of_field], &rigid[..of_field]));
             let mut tolerances = vec![f64::INFINITY; rigid.len()];
-            tolerances[..of_field].fill(TOLERANCE_MARGIN * layout.material.recoil_error * change_t);
+            tolerances[..of_field].fill(layout.material.recoil_error * change_t);
             tolerances
         };
         let told = |level: usize| progress.show(Stage { name: "polarization, level", done: level, of: None, unit: "" });
-        let refined = refine_within(&tiles, MAX_CELLS, tolerances, quantity, told).map_err(failed)?;
-        let values = quantity(refined.magnetization.cells());
-        // The field is that of the cells, not the extrapolated one.
-        let offsets = differences(&values, &refined.values);
-        let errors: Vec<f64> = refined.errors.iter().zip(offsets).map(|(error, offset)| error + offset.abs()).collect();
+        let group = Group { vectors: points.len(), components: 3 };
+        let refined = refine_within(&tiles, MAX_CELLS, &[group], tolerances, quantity, told).map_err(failed)?;
+        let (values, errors) = (&refined.values, &refined.errors);
         let of_rigid = figures.as_ref().and_then(|grid| grid.figures(&Scene::new(&bare)));
         let found = of_rigid.map(|without| {
-            let [with_recoil, errors] = [&values, &errors].map(|flat| unflat(&without, &flat[of_field..]));
+            let [with_recoil, errors] = [values, errors].map(|flat| unflat(&without, &flat[of_field..]));
             FiguresWithRecoil { without, with_recoil, errors }
         });
         let tile_changes = refined.magnetization.tile_changes();
         let largest = |of: fn(&TileChange) -> f64| tile_changes.iter().map(of).fold(f64::NEG_INFINITY, f64::max);
         let summary = RecoilSummary {
-            cells: refined.magnetization.cells().len(),
+            cells: refined.magnetization.fields_t().len(),
             level: refined.level,
             change_t: largest_vector(&differences(&values[..of_field], &rigid[..of_field])),
-            error_t: largest_vector(&errors[..of_field]),
+            error_t: errors[0],
             figures: found.filter(|_| values[of_field..].iter().all(|value| value.is_finite())),
             largest_weakening: largest(|change| change.weakening),
             largest_turn_deg: largest(|change| change.angle.to_degrees()),

@@ -15,8 +15,8 @@ pub struct DemagnetizedCell {
 }
 
 impl Magnetization {
-    /// mu0 H of each cell along the easy axis of its tile, in tesla; `None` for tiles without
-    /// polarization.
+    /// mu0 H of each cell of the first division along the easy axis of its tile, in tesla; `None`
+    /// for tiles without polarization.
     pub fn fields_along_easy_axis_t(&self) -> Vec<Option<f64>> {
         let axes: Vec<_> = self.tiles().iter().map(|each| each.easy_axis()).collect();
         self.owners().iter().zip(self.fields_t()).map(|(owner, h_t)| Some(axes[*owner]?.dot(*h_t))).collect()
@@ -41,7 +41,7 @@ impl Magnetization {
     /// The share of the volume of all tiles beyond the knee.
     pub fn share_beyond_knee(&self, knee_t: f64) -> f64 {
         let volume = |cell: usize| self.cells()[cell].size().element_product();
-        let total: f64 = (0..self.cells().len()).map(volume).sum();
+        let total: f64 = (0..self.fields_t().len()).map(volume).sum();
         let beyond: f64 = self.beyond_knee(knee_t).iter().map(|found| volume(found.cell)).sum();
         if beyond > 0.0 { beyond / total } else { 0.0 }
     }

@@ -85,5 +85,5 @@ pub use magnetization::{Magnetization, TileChange};
 pub use magsplice_magnet::{InvalidPermeability, MAX_PERMEABILITY, Permeability};
 pub use material::RecoilTile;
 pub use refinement::{
-    Refined, RefinementError, RefinementSettings, extrapolated_at, highest_level, refine, refine_within,
+    Group, Refined, RefinementError, RefinementSettings, extrapolated_at, highest_level, refine, refine_within,
 };

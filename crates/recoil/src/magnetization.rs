@@ -7,13 +7,17 @@ use crate::division::Division;
 use crate::error::RecoilError;
 use crate::material::RecoilTile;
 
-/// Cells with the polarization consistent with their field.
+/// Cells with the polarization consistent with their field; or those of two divisions, one after
+/// the other, whose polarizations times weights add up to an extrapolated one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Magnetization {
     tiles: Vec<RecoilTile>,
     cells: Vec<Tile>,
     owners: Vec<usize>,
+    /// Of each cell of the first division.
     fields_t: Vec<DVec3>,
+    /// Weight of the first division.
+    weight: f64,
 }
 
 /// The change of the polarization of one tile.
@@ -42,7 +46,21 @@ impl Magnetization {
                 .and_then(|new| new.rotated(cell.rotation()))
                 .map_err(|source| RecoilError::Cell { tile: *owner, source })?;
         }
-        Ok(Magnetization { tiles: tiles.to_vec(), cells, owners, fields_t })
+        Ok(Magnetization { tiles: tiles.to_vec(), cells, owners, fields_t, weight: 1.0 })
+    }
+
+    /// The polarization of this solution times `weight` and of a coarser one times the rest: the
+    /// cells of both.
+    pub(crate) fn extrapolated_from(&self, coarser: &Magnetization, weight: f64) -> Magnetization {
+        let scaled = |cells: &[Tile], weight: f64| -> Vec<Tile> {
+            cells.iter().map(|cell| with_polarization(cell, weight * cell.scene_polarization_t())).collect()
+        };
+        Magnetization {
+            cells: [scaled(&self.cells, weight), scaled(&coarser.cells, 1.0 - weight)].concat(),
+            owners: [&self.owners[..], &coarser.owners].concat(),
+            weight,
+            ..self.clone()
+        }
     }
 
     /// The tiles with their polarization J_r.
@@ -50,7 +68,8 @@ impl Magnetization {
         &self.tiles
     }
 
-    /// The cells as tiles with their polarization J, for `magsplice_field::Scene`.
+    /// The cells as tiles with their polarization J, for `magsplice_field::Scene`. The cells of two
+    /// divisions overlap: J at a point is the sum over both.
     pub fn cells(&self) -> &[Tile] {
         &self.cells
     }
@@ -60,7 +79,7 @@ impl Magnetization {
         &self.owners
     }
 
-    /// The mean of mu0 H over each cell, in the frame of the scene, in tesla.
+    /// The mean of mu0 H over each cell of the first division, in the frame of the scene, in tesla.
     pub fn fields_t(&self) -> &[DVec3] {
         &self.fields_t
     }
@@ -85,10 +104,11 @@ impl Magnetization {
     /// is missing from the field of [`mean_tiles`](Magnetization::mean_tiles).
     pub fn deviations(&self) -> Vec<Tile> {
         let changes = self.tile_changes();
-        let cells = self.cells.iter().zip(&self.owners);
+        let cells = self.cells.iter().zip(&self.owners).enumerate();
         cells
-            .map(|(cell, owner)| {
-                with_polarization(cell, cell.scene_polarization_t() - changes[*owner].mean_polarization_t)
+            .map(|(index, (cell, owner))| {
+                let weight = if index < self.fields_t.len() { self.weight } else { 1.0 - self.weight };
+                with_polarization(cell, cell.scene_polarization_t() - weight * changes[*owner].mean_polarization_t)
             })
             .collect()
     }

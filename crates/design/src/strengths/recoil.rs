@@ -54,7 +54,7 @@ impl DesignProblem<'_> {
             .zip(self.layout.permeabilities())
             .map(|(tile, permeability)| RecoilTile { tile: *tile, permeability })
             .collect();
-        Magnetization::solve(&tiles, RECOIL_LEVEL, |_| {}).map(Some).map_err(DesignError::Recoil)
+        Magnetization::extrapolated(&tiles, RECOIL_LEVEL, |_| {}).map(Some).map_err(DesignError::Recoil)
     }
 
     /// Holds the field that recoil adds to this film. Returns the largest change of what was

@@ -4,7 +4,7 @@ use glam::DVec3;
 use magsplice_field::Scene;
 use magsplice_magnet::{Permeability, Quantity, Tile};
 use magsplice_recoil::tolerances::MAX_CELLS;
-use magsplice_recoil::{RecoilTile, Refined, RefinementError, RefinementSettings, extrapolated_at, refine};
+use magsplice_recoil::{Group, RecoilTile, Refined, RefinementError, RefinementSettings, extrapolated_at, refine};
 
 use crate::magnet;
 
@@ -41,8 +41,8 @@ fn refine_to(
     refine(tiles, &settings, |cells| flux_densities(cells, points), |_| {})
 }
 
-fn at_level(tiles: &[RecoilTile], level: usize, quantity: impl Fn(&[Tile]) -> Vec<f64>) -> Refined {
-    extrapolated_at(tiles, level, quantity, |_| {}).unwrap()
+fn at_level(tiles: &[RecoilTile], level: usize, groups: &[Group], quantity: impl Fn(&[Tile]) -> Vec<f64>) -> Refined {
+    extrapolated_at(tiles, level, groups, quantity, |_| {}).unwrap()
 }
 
 /// A tile with permeabilities along the easy axis and across it.
@@ -117,7 +117,8 @@ fn values(tiles: &[RecoilTile], cells: &[Tile]) -> Vec<f64> {
 fn errors_contain_finer_levels_of_many_shapes() {
     let solution_error = 1e-7;
     for (index, tiles) in shapes().into_iter().enumerate() {
-        let at = |level| at_level(&tiles, level, |cells| values(&tiles, cells));
+        let groups = [[6, 3], [1, 1], [1, 3]].map(|[vectors, components]| Group { vectors, components });
+        let at = |level| at_level(&tiles, level, &groups, |cells| values(&tiles, cells));
         let finest = at(6).values;
         for level in 3..=4 {
             let Refined { values, errors, .. } = at(level);
@@ -144,7 +145,7 @@ fn errors_contain_the_factor_of_a_sphere() {
             let sum: f64 = cells.iter().map(|cell| cell.polarization_t().z * cell.size().element_product()).sum();
             vec![sum / tiles.len() as f64]
         };
-        let best = at_level(&tiles, 3, mean);
+        let best = at_level(&tiles, 3, &[], mean);
         let (difference, error) = ((best.values[0] - 3.0 / (mu_r + 2.0)).abs(), best.errors[0]);
         assert!(difference <= error && error <= 0.15 * (mu_r - 1.0), "{mu_r}: {difference:e} {error:e}");
     }
@@ -163,7 +164,7 @@ fn errors_contain_the_factors_of_a_rod_and_a_plate() {
             let sum: f64 = cells.iter().map(|cell| cell.polarization_t().z * cell.size().element_product()).sum();
             vec![sum / volume]
         };
-        let best = at_level(&tiles, 4, mean);
+        let best = at_level(&tiles, 4, &[], mean);
         let difference = (best.values[0] - 1.0 / (1.0 + chi * factor)).abs();
         assert!(difference <= best.errors[0] + chi * chi, "{size:?}: {} {difference:e}", (1.0 - best.values[0]) / chi);
     }
@@ -172,9 +173,10 @@ fn errors_contain_the_factors_of_a_rod_and_a_plate() {
 #[test]
 fn refinement_ends_within_its_tolerance() {
     let (tiles, points) = &cases()[1];
-    let refined = refine_to(tiles, points, (1e-5, 4_000)).unwrap();
-    assert!(refined.errors.iter().all(|error| *error <= 1e-5), "{:?}", refined.errors);
-    assert_eq!(refined.magnetization.cells().len(), refined.level.pow(3));
+    let refined = refine_to(tiles, points, (2e-4, 4_000)).unwrap();
+    assert!(refined.errors.iter().all(|error| *error <= 2e-4), "{:?}", refined.errors);
+    let cells = |level: usize| level.pow(3);
+    assert_eq!(refined.magnetization.cells().len(), cells(refined.level) + cells(refined.level - 1));
 }
 
 #[test]
@@ -187,13 +189,13 @@ fn refinement_without_enough_cells_says_so() {
     // With two levels no error is known.
     let (needed_cells, reached, best) = best_of(8, 1.0);
     assert_eq!((needed_cells, reached, best), (27, f64::INFINITY, None));
-    // An error that falls with the cube of the level would be small enough at level 10, but not at
-    // level 4.
+    // An error that falls with the fourth power of the level would be small enough at level 10, but
+    // not at level 4.
     let (_, third, _) = best_of(27, 1e-9);
-    let tolerance = third * (3.0_f64 / 10.0).powi(3) * 1.1;
+    let tolerance = third * (3.0_f64 / 10.0).powi(4) * 1.1;
     let (needed_cells, reached, best) = best_of(100, tolerance);
     assert_eq!((reached, best.unwrap().level), (third, LEAST_LEVEL));
-    assert_eq!(needed_cells, ((3.0 * (third / tolerance).sqrt()).ceil() as usize).pow(3));
+    assert_eq!(needed_cells, ((3.0 * (third / tolerance).powf(0.25)).ceil() as usize).pow(3));
     assert!(best_of(1000, tolerance).2.unwrap().level > LEAST_LEVEL);
     assert_eq!(best_of(1000, 0.8 * tolerance).2.unwrap().level, LEAST_LEVEL);
 }
@@ -208,7 +210,7 @@ fn refinement_of_no_numbers_ends_at_the_first_error() {
         "{unknown:?}"
     );
     let lengths = refine(tiles, &settings, |cells| vec![0.0; cells.len()], |_| {});
-    assert_eq!(lengths, Err(RefinementError::Count { tolerances: 1, values: 8 }));
+    assert_eq!(lengths, Err(RefinementError::Count { tolerances: 1, values: 9 }));
 }
 
 #[test]
@@ -248,9 +250,9 @@ fn errors_contain_finer_levels_near_a_tile() {
     };
     let points: Vec<DVec3> = [0.3, 0.1, 0.03, 0.01].into_iter().flat_map(near).collect();
     let field_t = |cells: &[Tile]| flux_densities(cells, &points);
-    let finest = at_level(&tiles, 12, field_t);
+    let finest = at_level(&tiles, 12, &[], field_t);
     for level in [3, 4] {
-        let of_level = at_level(&tiles, level, field_t);
+        let of_level = at_level(&tiles, level, &[], field_t);
         let cells_t = field_t(of_level.magnetization.cells());
         for (i, cells_t) in cells_t.chunks(3).enumerate() {
             let of = |values: &[f64]| DVec3::from_slice(&values[3 * i..]);
