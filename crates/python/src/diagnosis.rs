@@ -24,7 +24,7 @@ pub(crate) fn diagnose<'py>(
     as_ordered: bool,
     fit: Vec<String>,
     false_alarm: f64,
-) -> PyResult<WithArrays<'py>> {
+) -> PyResult<(WithArrays<'py>, Vec<String>)> {
     let (points, readings_t) = (vectors(&points)?.to_vec(), vectors(&readings_t)?);
     let mut layout = film.layout_with_errors(preset)?;
     if as_ordered {
@@ -40,5 +40,5 @@ pub(crate) fn diagnose<'py>(
         let of_tiles = tiles.iter().map(|of_tile| error.shown(of_tile[error])).collect();
         (error.key(), numbers(py, of_tiles).into_any())
     });
-    with_arrays(py, &found, errors)
+    Ok((with_arrays(py, &found, errors)?, found.remarks()))
 }

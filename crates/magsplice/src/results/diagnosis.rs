@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 use magsplice_field::Scene;
-use magsplice_layout::{FilmTolerance, Layout};
+use magsplice_layout::{FilmTolerance, Layout, Preset};
 use magsplice_magnet::{Quantity, Tile, TileError};
 use magsplice_scan::{
     Candidate, DetectedError, Diagnosis, DiagnosisError, DiagnosisSettings, ErrorKind, Exclusion, FieldScan,
@@ -16,6 +16,7 @@ use serde::Serialize;
 use super::placed_scan::PlacedScan;
 use super::placement::{FittedScan, SensorPlacement};
 use super::scan::ExcludedReadings;
+use super::significant::number;
 use super::source::Source;
 use crate::film::Film;
 use crate::film_error::FilmError;
@@ -23,6 +24,13 @@ use crate::stage::Stage;
 
 /// Cosine of the angle between J and an axis of rotation from which on a turn is about J.
 const ABOUT_J: f64 = 0.99;
+
+/// Most errors of single tiles that are reported without a doubt where no errors are expected. A
+/// film with more faulty tiles is rarer than one whose tiles all have small errors.
+const MOST_SINGLE_ERRORS: usize = 3;
+
+/// Typical errors of every tile that are tried instead.
+const PRESETS_TRIED: [Preset; 2] = [Preset::Workshop, Preset::ByHand];
 
 /// The errors of tiles that a scan shows. Values are in the units of [`TileError::unit`].
 #[derive(Clone, Debug, Serialize)]
@@ -48,6 +56,8 @@ pub struct FilmDiagnosis {
     pub is_complete: bool,
     /// What was fitted of the scan.
     pub scan: FittedScan,
+    /// Its standard deviations; 0 for what was not fitted.
+    pub scan_deviation: FittedScan,
     /// Root mean square of the residual of a component.
     pub residual_t: f64,
     /// Sum of the squares of the residuals over the noise, and of expected errors over their
@@ -60,6 +70,9 @@ pub struct FilmDiagnosis {
     /// Whether errors of tiles do not explain the scan: the residual is too large, or an error is
     /// larger than a tile can have.
     pub is_rejected: bool,
+    /// Typical errors of every tile that explain the scan with less than half as many errors of
+    /// single tiles, where no errors are expected: no tile is reported then.
+    pub made_as: Option<Preset>,
     /// Another placement of the sensor, which explains a rejected scan better than errors of tiles.
     pub placement: Option<SensorPlacement>,
     /// Errors that the scan hardly narrows.
@@ -190,18 +203,21 @@ impl Film {
         let ordered = Scene::new(&tiles);
         let placed = PlacedScan::new(&ordered, points_mm, &field_t, noise_t, self.centre_mm());
         let start = placed.start(free)?;
-        let settings = DiagnosisSettings { expected, free, false_alarm, ..DiagnosisSettings::default() };
-        let failed = |error: DiagnosisError| match error {
-            DiagnosisError::Points(errors) => FilmError::Points(errors),
-            error => FilmError::Diagnosis(error),
+        let diagnosed = |expected: FilmTolerance| {
+            let settings = DiagnosisSettings { expected, free, false_alarm, ..DiagnosisSettings::default() };
+            let failed = |error: DiagnosisError| match error {
+                DiagnosisError::Points(errors) => FilmError::Points(errors),
+                error => FilmError::Diagnosis(error),
+            };
+            self.tell(Stage::uncounted("preparing the diagnosis"));
+            let scan = FieldScan { points_mm: points_mm.to_vec(), noise_t };
+            let model = ScanDiagnosis::new(&tiles, scan, settings, start).map_err(failed)?;
+            let show = |found: usize| {
+                self.tell(Stage { name: "faulty tiles", done: found, of: None, unit: "errors identified" });
+            };
+            model.diagnose(&field_t, show).map_err(failed)
         };
-        self.tell(Stage::uncounted("preparing the diagnosis"));
-        let scan = FieldScan { points_mm: points_mm.to_vec(), noise_t };
-        let model = ScanDiagnosis::new(&tiles, scan, settings, start).map_err(failed)?;
-        let show = |found: usize| {
-            self.tell(Stage { name: "faulty tiles", done: found, of: None, unit: "errors identified" });
-        };
-        let mut diagnosis = model.diagnose(&field_t, show).map_err(failed)?;
+        let mut diagnosis = diagnosed(expected)?;
         // Saturated readings were withheld as unfinished.
         for (exclusion, unusable) in diagnosis.exclusions.iter_mut().zip(&unusable) {
             *exclusion = unusable.or(*exclusion);
@@ -230,8 +246,20 @@ impl Film {
             is_about_j: is_about_j(self.layout(), of),
         };
         let is_residual_too_large = diagnosis.is_residual_too_large();
-        let is_rejected = is_residual_too_large || !diagnosis.has_possible_errors(&tiles);
-        let placement = is_rejected.then(|| placed.explaining(diagnosis.residual_t())).transpose()?.flatten();
+        let is_impossible = is_residual_too_large || !diagnosis.has_possible_errors(&tiles);
+        let made_as = if has_expected_errors || is_impossible || diagnosis.detected.len() <= MOST_SINGLE_ERRORS {
+            None
+        } else {
+            let explains = |preset: &Preset| -> Result<bool, FilmError> {
+                let of_all = diagnosed(FilmTolerance::of_tiles(&preset.errors(), tiles.len()))?;
+                let is_simpler = 2 * of_all.detected.len() < diagnosis.detected.len();
+                Ok(is_simpler && !of_all.is_residual_too_large())
+            };
+            let tried = PRESETS_TRIED.iter().map(|preset| explains(preset).map(|is_so| is_so.then_some(*preset)));
+            tried.filter_map(Result::transpose).next().transpose()?
+        };
+        let is_rejected = is_impossible || made_as.is_some();
+        let placement = is_impossible.then(|| placed.explaining(diagnosis.residual_t())).transpose()?.flatten();
         let listed = if is_rejected { &[][..] } else { &diagnosis.detected };
         let similar = diagnosis.similar.iter().map(|of| SimilarPair {
             tiles: [of.first.0, of.second.0].map(name),
@@ -248,11 +276,13 @@ impl Film {
             faulty: listed.iter().map(faulty).collect(),
             is_complete: diagnosis.is_complete,
             scan: FittedScan::new(&diagnosis.scan, diagnosis.scan.offset_t),
+            scan_deviation: FittedScan::new(&diagnosis.scan_deviations, diagnosis.scan_deviations.offset_t),
             residual_t: diagnosis.residual_t(),
             chi_squared: diagnosis.chi_squared,
             degrees_of_freedom: diagnosis.degrees_of_freedom,
             is_residual_too_large,
             is_rejected,
+            made_as,
             placement,
             unresolved: diagnosis.narrowed.iter().filter(|of| of.is_unresolved()).map(unresolved).collect(),
             similar: similar.collect(),
@@ -262,6 +292,28 @@ impl Film {
 }
 
 impl FilmDiagnosis {
+    /// What speaks against the diagnosis, one sentence each.
+    pub fn remarks(&self) -> Vec<String> {
+        let made_as = self.made_as.map(|preset| {
+            format!(
+                "{} errors of single tiles explain the scan, and so do typical errors of every tile (preset {}), which are \
+                 likelier: no tile is reported unless errors of every tile are expected",
+                self.diagnosis.detected.len(),
+                preset.name()
+            )
+        });
+        let residual = self.is_residual_too_large.then(|| {
+            format!(
+                "chi squared of the residual is {} times its expectation: the noise is larger than specified, the tiles have \
+                 other or larger errors than are expected (a preset expects errors of every tile), or the positions of the \
+                 scan are wrong",
+                number(self.reduced_chi_squared())
+            )
+        });
+        let placement = self.placement.as_ref().map(ToString::to_string);
+        made_as.into_iter().chain(residual).chain(placement).collect()
+    }
+
     /// `chi_squared` over its expectation.
     pub fn reduced_chi_squared(&self) -> f64 {
         self.chi_squared / self.degrees_of_freedom as f64

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use magsplice_field::Scene;
 use magsplice_magnet::Quantity;
-use magsplice_scan::{FreeParameters, ScanError, ScanFit, ScanParameters, fit_scan};
+use magsplice_scan::{FreeParameters, ScanError, ScanFit, ScanParameters, fit_determined, fit_scan};
 
 use super::placement::SensorPlacement;
 use crate::film_error::FilmError;
@@ -74,7 +74,7 @@ impl<'a> PlacedScan<'a> {
     /// # Errors
     /// [`FilmError::Scan`] for positions in another unit.
     pub(super) fn explaining(&self, residual_t: f64) -> Result<Option<SensorPlacement>, FilmError> {
-        let fit = fit_scan(self.ordered, self.points_mm, self.field_t, FreeParameters::ALL, self.centre_mm);
+        let fit = fit_determined(self.ordered, self.points_mm, self.field_t, self.centre_mm).map(|(fit, _)| fit);
         if let Err(error @ ScanError::Unit { .. }) = fit {
             return Err(FilmError::Scan(error));
         }

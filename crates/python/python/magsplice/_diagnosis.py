@@ -9,6 +9,7 @@ import numpy as np
 from magsplice._arrow import Column, Table
 from magsplice._layout import Floats, Vector
 from magsplice._results import Result, key
+from magsplice._samples import Preset
 from magsplice._scan import ExcludedReadings, FittedScan, SensorPlacement
 from magsplice._source import OfFilm
 
@@ -61,6 +62,10 @@ class Diagnosis(OfFilm, Table):
     )
     is_complete: bool = key("Whether `faulty` has all significant errors.")
     scan: FittedScan = key("Fitted parameters of the scan.", FittedScan)
+    scan_deviation: FittedScan = key(
+        "Standard deviations of the fitted parameters; 0 for parameters that are not fitted.",
+        FittedScan,
+    )
     residual_t: float = key("Root mean square of the residual of a component, in tesla.")
     chi_squared: float = key(
         """Sum of the squares of residuals over noise, and of expected errors over their
@@ -71,6 +76,10 @@ class Diagnosis(OfFilm, Table):
     is_rejected: bool = key(
         """Whether errors of tiles do not explain the scan: the residual is too large, or an error
         is larger than a tile can have."""
+    )
+    made_as: Preset | None = key(
+        """Preset whose typical errors of every tile explain the scan with less than half as many
+        errors of single tiles, if no errors are expected."""
     )
     placement: SensorPlacement | None = key(
         """Another placement of the sensor, which explains a rejected scan better than errors of

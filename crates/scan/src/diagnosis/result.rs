@@ -78,6 +78,8 @@ pub struct Diagnosis {
     pub errors: Vec<PerTileError<f64>>,
     /// The parameters of the scan.
     pub scan: ScanParameters,
+    /// Their standard deviations; 0 for fixed parameters.
+    pub scan_deviations: ScanParameters,
     /// Measured readings minus the readings of the found film, in tesla.
     pub residuals_t: Vec<DVec3>,
     /// The reason why a reading is excluded, for each reading.

@@ -137,6 +137,10 @@ impl ScanDiagnosis {
             tiles: model.tiles(&film.state)?,
             errors: film.state.tiles,
             scan: found.at.state.scan_parameters(),
+            scan_deviations: ScanParameters::from_fn(|parameter| {
+                let index = unknowns.list.iter().position(|unknown| *unknown == Unknown::Scan(parameter));
+                index.map_or(0.0, |index| after[index])
+            }),
             residuals_t: found.compared.residuals_t,
             exclusions,
             chi_squared,

@@ -22,9 +22,9 @@ use crate::failure::Failure;
 use crate::inputs::readings::{self, Readings};
 use crate::output::destination::print;
 use crate::output::{PROGRAM, json};
+use crate::progress::ProgressLine;
 use crate::remarks;
 use crate::session::Session;
-use crate::text::number::number;
 
 /// The faulty tiles, and what the scan does not resolve, as text.
 mod text;
@@ -102,7 +102,8 @@ pub(crate) enum DiagnoseFormat {
 }
 
 pub(crate) fn run(args: &DiagnoseArgs, quiet: bool) -> Result<(), Failure> {
-    let mut session = Session::open(&args.layout, remarks::OF_TILES, quiet)?;
+    let progress = ProgressLine::start_search(!quiet);
+    let mut session = Session::begin(&args.layout, remarks::OF_TILES, quiet, progress)?;
     let original = session.layout.clone();
     let layout = Arc::make_mut(&mut session.layout);
     args.preset.apply(layout);
@@ -150,18 +151,13 @@ pub(crate) fn run(args: &DiagnoseArgs, quiet: bool) -> Result<(), Failure> {
     }
     let Diagnosis { exclusions, residuals_t, .. } = &found.diagnosis;
     tell_excluded(&session, &args.scan, &lines, exclusions, residuals_t);
-    if found.is_residual_too_large {
-        session.tell(&format!(
-            "{}: chi squared of the residual is {} times its expectation: the noise is larger than specified, the tiles \
-             have other or larger errors than are expected (--preset by-hand, workshop or jig expects errors of every \
-             tile), or the positions of the scan are wrong{}",
-            args.scan.display(),
-            number(found.reduced_chi_squared()),
-            if args.fit.is_empty() { " (--fit fits their origin)" } else { "" }
-        ));
-    }
-    if let Some(placement) = &found.placement {
-        session.tell(&format!("{}: {}", args.scan.display(), placement));
+    for remark in found.remarks() {
+        let advice = match (found.made_as, found.is_residual_too_large && args.fit.is_empty()) {
+            (Some(preset), _) => format!("; --preset {} expects them", preset.name()),
+            (None, true) => "; --preset expects other errors, --fit fits the origin of the scan".to_owned(),
+            (None, false) => String::new(),
+        };
+        session.tell(&format!("{}: {remark}{advice}\n", args.scan.display()));
     }
     if found.is_rejected && args.output.is_some() {
         let message = "errors of tiles do not explain the scan, so no layout is written";

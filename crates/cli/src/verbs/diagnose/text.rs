@@ -43,8 +43,8 @@ pub(super) fn diagnosis(film: &Film, scan: &Path, fit: FreeParameters, found: &F
     }
     if fit != FreeParameters::NONE {
         text.push('\n');
-        rows::heading(&mut text, "fitted", ["x", "y", "z"]);
-        fitted(&mut text, fit, &found.scan, None);
+        rows::heading(&mut text, "fitted, with standard deviations", ["x", "y", "z"]);
+        fitted(&mut text, fit, &found.scan, Some(&found.scan_deviation));
     }
     text.push('\n');
     rows::cell(&mut text, "residual of a component, uT", &number(in_ut(found.residual_t)));
@@ -57,7 +57,10 @@ pub(super) fn diagnosis(film: &Film, scan: &Path, fit: FreeParameters, found: &F
 /// The faulty tiles with their errors.
 fn faulty_tiles(text: &mut String, found: &FilmDiagnosis) {
     if found.is_rejected {
-        text.push_str("errors of tiles do not explain the scan, so no tile is reported\n");
+        text.push_str(match found.made_as {
+            Some(_) => "errors of every tile explain the scan as well as errors of single tiles: no tile is reported\n",
+            None => "errors of tiles do not explain the scan, so no tile is reported\n",
+        });
         return;
     }
     if found.faulty.is_empty() {
