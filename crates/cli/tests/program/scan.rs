@@ -182,6 +182,23 @@ fn scans_that_cannot_be_fitted_are_refused() {
     with(&format!("{names}\n0,0,-4,0,a,3\n")).refuses("line 2: by_mt = \"a\", must be a finite number");
 }
 
+/// An offset makes up for a film of the same wavelength with other tiles.
+#[test]
+fn offsets_that_no_sensor_has_are_named() {
+    let sandbox = Sandbox::new();
+    let other = std::fs::read_to_string(shipped("designed-stock")).expect("readable");
+    let other = other.split("\n\n").filter(|part| !part.contains("[sensor]")).collect::<Vec<_>>().join("\n\n");
+    sandbox.write("other.toml", &other);
+    write(&sandbox, "x_mm,y_mm,z_mm,bx_t,by_t,bz_t", &field(&sandbox));
+    let said = sandbox.run(&["scan", "other.toml", "scan.csv"]);
+    assert!(said.stderr.contains("the fitted offset is 5"), "{}{}", said.stderr, said.stdout);
+    assert!(
+        said.stderr.contains(" uT, several times the field of the earth: another magnet is near"),
+        "{}",
+        said.stderr
+    );
+}
+
 /// One plane with z counted downwards is no plane of a sensor with reversed axes. Positions in
 /// another unit are an error, in `diagnose` too.
 #[test]

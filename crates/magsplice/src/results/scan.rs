@@ -22,6 +22,10 @@ use crate::stage::Stage;
 /// strength were not ordered.
 const PLAUSIBLE_STRENGTHS: RangeInclusive<f64> = 0.5..=2.0;
 
+/// Offset, in tesla, that a sensor in the field of the earth hardly has: the field of the earth is
+/// at most 65 uT, and offsets of magnetometers are about as large.
+const MOST_OFFSET_T: f64 = 2e-4;
+
 /// Residual over the noise of the sensor from which on the film is not as ordered. The deviation of
 /// the residuals is right to a per cent for a scan of thousands of readings, and the noise that a
 /// datasheet states to a factor of two.
@@ -266,18 +270,28 @@ impl FilmScan {
                 number(self.fitted.strength)
             )
         });
+        let offset_t = self.fitted.offset_t.abs().max_element();
+        let offset = (self.fit.offset && offset_t > MOST_OFFSET_T).then(|| {
+            format!(
+                "the fitted offset is {} uT, several times the field of the earth: another magnet is near, the sensor has an \
+                 offset that [sensor] does not state, or the scan is of another film, and an offset makes up for its \
+                 uniformity",
+                number(1e6 * offset_t)
+            )
+        });
         let residual = self.excessive_residual().map(|ratio| {
             format!(
-                "the residual is {} times the noise of the sensor: the film differs from the layout, or the positions \
-                 of the scan are wrong; the deviations do not contain this. Errors of tiles look like another strength \
+                "the residual is {} times the noise of the sensor: the film differs from the layout, the positions of the \
+                 scan are wrong, or the noise is larger than stated; the deviations do not contain this. Errors of tiles look like another strength \
                  and height{}",
                 number(ratio),
                 if self.fit.strength { ": a fit of offset, rotation and start alone holds the strength" } else { "" }
             )
         });
         let held = self.holds_strength.then(|| {
-            "the strength is not fitted: errors of the tiles look like another strength and height; a diagnosis with the \
-             expected errors of the tiles (diagnose with --preset and --fit) fits both"
+            "the strength is not fitted, and the deviations do not contain errors of the tiles, which look like another \
+             strength, height and offset; a diagnosis with the expected errors of the tiles (diagnose with --preset and \
+             --fit) fits all and states their deviations"
                 .to_owned()
         });
         let share = self.residual_t / self.reading_t;
@@ -288,7 +302,7 @@ impl FilmScan {
                 number(100.0 * share)
             )
         });
-        strength.into_iter().chain(residual).chain(unexplained).chain(held).collect()
+        strength.into_iter().chain(offset).chain(residual).chain(unexplained).chain(held).collect()
     }
 
     /// The readings with the field of the layout at the same places.
