@@ -15,7 +15,8 @@ use crate::vectors::{rows_of, vectors};
 
 /// The displacement of the sensor for each reading, in millimetres, from the reference point or
 /// from the position of the readings `rest`. The constant part of all readings is `constant_t`, or
-/// the difference of the mean of the readings `zero` from the field at the reference point.
+/// the difference of the mean of the readings `zero` from the field at the reference point. And
+/// remarks.
 #[pyfunction]
 pub(crate) fn read<'py>(
     py: Python<'py>,
@@ -25,7 +26,7 @@ pub(crate) fn read<'py>(
     constant_t: [f64; 3],
     zero_t: Option<PyReadonlyArray2<'py, f64>>,
     rest_t: Option<PyReadonlyArray2<'py, f64>>,
-) -> PyResult<WithArrays<'py>> {
+) -> PyResult<(WithArrays<'py>, Vec<String>)> {
     let read = located(py, film, &readings_t, noise_t, constant_t, [zero_t, rest_t])?;
     let rows = |vectors: Option<Vec<DVec3>>| vectors.map(|vectors| rows_of(py, &vectors)).into_bound_py_any(py);
     let message =
@@ -39,7 +40,7 @@ pub(crate) fn read<'py>(
         ("status", PyArray1::from_iter(py, read.status()).into_any()),
         ("messages", messages.into_bound_py_any(py)?),
     ];
-    with_arrays(py, &read, more)
+    Ok((with_arrays(py, &read, more)?, read.hint.into_iter().collect()))
 }
 
 /// The positions of readings. `at_rest` are the readings `zero` and `rest`.

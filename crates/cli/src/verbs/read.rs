@@ -86,6 +86,9 @@ pub(crate) fn run(args: &ReadArgs, quiet: bool) -> Result<(), Failure> {
     if !faults.is_empty() {
         session.tell(&faults.remarks(args.readings.display()));
     }
+    if let Some(hint) = &found.hint {
+        session.tell(&format!("{}: {hint}\n", args.readings.display()));
+    }
     Ok(())
 }
 

@@ -171,3 +171,27 @@ fn resolution_is_the_deviation_of_readings() {
     let json: Value = serde_json::from_str(&json).expect("JSON");
     assert_eq!((&json["readings"], json["columns"]["dx_mm"].as_array().map(Vec::len)), (&405.into(), Some(405)));
 }
+
+/// Readings with a reversed axis or in another unit have no position, and no displacement by the
+/// closed form.
+#[test]
+fn readings_with_other_axes_or_units_are_named() {
+    let sandbox = Sandbox::new();
+    let film = sandbox.published_with("");
+    let said = sandbox.run(&["field", &film]);
+    let (_, field) = rows(&said.stdout);
+    let read = |change: fn(&[f64]) -> [f64; 3]| {
+        let lines = field.iter().step_by(7).map(|row| change(&row[3..]).map(|b| format!("{b:?}")).join(","));
+        sandbox.write("b.csv", &format!("bx_t,by_t,bz_t\n{}\n", lines.collect::<Vec<_>>().join("\n")));
+        sandbox.run(&["read", &film, "b.csv"])
+    };
+    let reversed = read(|b| [b[0], b[1], -b[2]]);
+    let named = "readings have positions in the volume if the axes of the sensor are others: z is reversed";
+    assert!(reversed.stderr.contains(named), "{}", reversed.stderr);
+    let other_unit = read(|b| [1e3 * b[0], 1e3 * b[1], 1e3 * b[2]]);
+    assert!(other_unit.stderr.contains("readings times 0.001 have positions in the volume"), "{}", other_unit.stderr);
+    let (names, found) = rows(&other_unit.stdout);
+    let column = names.split(',').position(|name| name == "closed_form_dz_mm").expect("a column");
+    assert!(found.iter().all(|row| row[column].is_nan()), "{}", other_unit.stdout);
+    assert_eq!(read(|b| [b[0], b[1], b[2]]).stderr, "");
+}

@@ -4,6 +4,7 @@ use glam::DVec3;
 use magsplice_decouple::{Branch, Parameters};
 use magsplice_layout::Elastomer;
 use magsplice_magnet::Grid;
+use magsplice_scan::SignedAxes;
 use magsplice_sensor::{LocateError, Located, Locator, Noise, SensedField, mean_at_rest};
 use serde::Serialize;
 
@@ -59,6 +60,50 @@ pub struct FilmReadings {
     /// The elastic layer, if the layout has one.
     #[serde(skip)]
     pub elastomer: Option<Elastomer>,
+    /// Other axes or another unit with which readings without a position have one.
+    #[serde(skip)]
+    pub hint: Option<String>,
+}
+
+/// Share of the readings without a position from which on another reading of the columns is tried,
+/// and the share of them that then must have one.
+const MOST_WITHOUT_POSITION: f64 = 0.5;
+const EXPLAINED: f64 = 0.9;
+
+/// Least and largest number of readings without a position that are tried.
+const TRIED: [usize; 2] = [3, 20];
+
+/// Factors between units of flux density.
+const UNITS: [f64; 4] = [1e-3, 1e3, 0.1, 10.0];
+
+/// Words for the axes or the unit with which readings without a position have one.
+fn hint(locator: &Locator, readings_t: &[DVec3], found: &[Result<Located, LocateError>]) -> Option<String> {
+    let without: Vec<DVec3> = readings_t
+        .iter()
+        .zip(found)
+        .filter(|(_, found)| matches!(found, Err(LocateError::NoPosition)))
+        .map(|(reading_t, _)| *reading_t)
+        .collect();
+    if without.len() < TRIED[0] || (without.len() as f64) < MOST_WITHOUT_POSITION * readings_t.len() as f64 {
+        return None;
+    }
+    let step = without.len().div_ceil(TRIED[1]);
+    let tried: Vec<DVec3> = without.into_iter().step_by(step).collect();
+    let are_explained = |change: &dyn Fn(DVec3) -> DVec3| {
+        let changed: Vec<DVec3> = tried.iter().map(|reading_t| change(*reading_t)).collect();
+        let located = locator.locate(&changed).iter().filter(|found| found.is_ok()).count();
+        located as f64 >= EXPLAINED * tried.len() as f64
+    };
+    let unit = UNITS.into_iter().find(|factor| are_explained(&|reading_t| *factor * reading_t));
+    if let Some(factor) = unit {
+        return Some(format!("readings times {factor} have positions in the volume: their unit is another one"));
+    }
+    let axes = SignedAxes::all().into_iter().skip(1);
+    let found = axes.into_iter().find(|axes| are_explained(&|reading_t| axes.inverse().apply(reading_t)))?;
+    Some(format!(
+        "readings have positions in the volume if the axes of the sensor are others: {found}: {}",
+        found.remedy()
+    ))
 }
 
 /// Bytes of the search for positions for each point of the volume. Measured: 121.
@@ -112,11 +157,18 @@ impl Film {
                 found => found,
             }));
         }
+        let mut closed_form_mm = self.closed_form_mm(&sensed, at_rest_t, readings_t.iter().map(|of| *of - constant_t));
+        for (closed_form_mm, found) in closed_form_mm.iter_mut().flatten().zip(&found) {
+            if matches!(found, Err(LocateError::NoPosition | LocateError::Saturated)) {
+                *closed_form_mm = DVec3::NAN;
+            }
+        }
         Ok(FilmReadings {
             source: Source::of(self),
             readings: readings_t.len(),
+            hint: hint(&locator, readings_t, &found),
             found,
-            closed_form_mm: self.closed_form_mm(&sensed, at_rest_t, readings_t.iter().map(|of| *of - constant_t)),
+            closed_form_mm,
             origin_mm,
             noise,
             elastomer: self.layout().elastomer,

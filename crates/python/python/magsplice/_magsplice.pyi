@@ -156,7 +156,7 @@ def read(
     constant_t: _Vector,
     zero_t: _Floats | None,
     rest_t: _Floats | None,
-) -> tuple[_Result, _Result]: ...
+) -> tuple[tuple[_Result, _Result], list[str]]: ...
 def calibrate(
     film: Film,
     forces_n: _Floats,
@@ -191,7 +191,7 @@ def diagnose(
     as_ordered: bool,
     fit: list[str],
     false_alarm: float,
-) -> tuple[_Result, dict[str, _Floats]]: ...
+) -> tuple[tuple[_Result, dict[str, _Floats]], list[str]]: ...
 def design(
     film: Film,
     least_amplitude: float | None,

@@ -78,10 +78,16 @@ class Sensed(Assembly):
         ValueError
             If more than one of `constant_t`, `zero` and `rest` is given, one has no readings or
             readings that are not finite, or a noise is not above 0.
+
+        Warns
+        -----
+        MeasurementWarning
+            If readings have positions with other axes or another unit alone.
         """
         flat, shape = flattened(readings_t)
         constant = constant_or_rest(constant_t, zero, rest)
-        numbers, more = _magsplice.read(self, flat, noise_of(noise_t), *constant)
+        (numbers, more), remarks = _magsplice.read(self, flat, noise_of(noise_t), *constant)
+        _findings.warn_of_measurement(self, remarks)
         return Readings(numbers, **shaped(more, shape))
 
     def calibrate(
@@ -344,13 +350,20 @@ class Sensed(Assembly):
             `as_ordered` are both given.
         MagspliceError
             If the noise is unknown, or the scan cannot be diagnosed.
+
+        Warns
+        -----
+        MeasurementWarning
+            If errors of every tile explain the scan as well as many errors of single tiles, or
+            errors of tiles do not explain it.
         """
         points, readings = flattened(points_mm)[0], flattened(readings_t)[0]
         check_scan(points, readings)
         words = fitted_words(fit)
         if preset is not None and as_ordered:
             raise ValueError("preset and as_ordered are both given: give one of them")
-        numbers, errors = _magsplice.diagnose(
+        (numbers, errors), remarks = _magsplice.diagnose(
             self, points, readings, three_of(noise_t), preset, as_ordered, words, false_alarm
         )
+        _findings.warn_of_measurement(self, remarks)
         return Diagnosis(numbers, names=self.tiles.names, errors=errors)
