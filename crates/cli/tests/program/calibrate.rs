@@ -170,6 +170,23 @@ fn exchanged_columns_are_named() {
     assert!(!said.stderr.contains("the force along z"), "{}{}", said.stderr, said.stdout);
 }
 
+/// Forces in millinewton under a name in newton.
+#[test]
+fn forces_in_another_unit_are_named() {
+    let sandbox = Sandbox::new();
+    calibrated(&sandbox, &displaced(&sandbox), [0.0, 0.0], 1);
+    let layer = "[elastomer]\narea_mm2 = 400\nthickness_mm = 7\nyoungs_modulus_mpa = 0.1\npoisson_ratio = 0.45";
+    let film = sandbox.published_with(layer);
+    let calibrate = || sandbox.run(&["calibrate", &film, "forces.csv"]).stderr;
+    assert_eq!(calibrate(), "");
+    sandbox.write("forces.csv", &sandbox.read("forces.csv").replace("(mN)", "(N)"));
+    let said = calibrate();
+    assert!(
+        said.contains("times that of Hooke's law with the layer of the layout: the forces have another unit"),
+        "{said}"
+    );
+}
+
 /// Forces that point against the motion, and a film that moves along z alone.
 #[test]
 fn negative_and_missing_stiffnesses_are_named() {

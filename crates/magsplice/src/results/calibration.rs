@@ -9,8 +9,13 @@ use serde::Serialize;
 
 use super::readings::FilmReadings;
 use super::scan::ExcludedReadings;
+use super::significant::number;
 use super::source::Source;
 use crate::film_error::FilmError;
+
+/// Largest ratio of the stiffness to that of Hooke's law, or of that to it: moduli of elastomers
+/// are known to a factor of ten, and units of forces differ by a hundred or a thousand.
+const MOST_RATIO: f64 = 50.0;
 
 /// Least share of the coefficients of a force, in the fit to displacements along all three axes,
 /// that its own axis has: axes turned by 60 degrees have it. Axes along which the film moves alike
@@ -165,6 +170,18 @@ impl FilmCalibration {
                  forces or of the sensor are exchanged"
             )
         });
-        exchanged.chain(without).chain(negative).collect()
+        let stiffness = |line: &Option<Stiffness>| line.as_ref().map_or(f64::NAN, |line| line.stiffness);
+        let PerAxis { x, y, z } = &self.by_field;
+        let ratios = self.hooke_n_per_mm.map(|hooke| DVec3::new(stiffness(x), stiffness(y), stiffness(z)) / hooke);
+        let unit =
+            ratios.and_then(|of| of.abs().to_array().into_iter().find(|of| *of > MOST_RATIO || *of < 1.0 / MOST_RATIO));
+        let unit = unit.map(|ratio| {
+            format!(
+                "the stiffness is {} times that of Hooke's law with the layer of the layout: the forces have another unit, or \
+                 [elastomer] is of another layer",
+                number(ratio)
+            )
+        });
+        unit.into_iter().chain(exchanged).chain(without).chain(negative).collect()
     }
 }
