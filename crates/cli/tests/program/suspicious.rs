@@ -102,7 +102,9 @@ fn polarizations_that_no_material_has_are_refused_with_the_unit_that_was_meant()
         refused(&text, message);
     }
     // A material may have it, but no permanent magnet.
-    let strong = tile("strength_t = 2.2\ndirection = [1, 0, 0]").replace("mirror", "# mirror");
+    let strong = tile("strength_t = 2.2\ndirection = [1, 0, 0]")
+        .replace("mirror", "# mirror")
+        .replace("[3.3, 3.3, 1]", "[9, 9, 1]");
     remarked(&strong, "field", "tile \"a\": a polarization of 2.2 T is above 2 T, more than any permanent magnet has");
     assert_eq!(findings(&tile("strength_t = 2.0\ndirection = [1, 1, 0]")).0, 0);
     let ideal = film.replace("amplitude_t = 0.12", "amplitude_t = -2.2");
@@ -183,8 +185,8 @@ fn steps_in_metres_and_ends_without_round_off_are_shown() {
         &film().replace("step_mm = 1", "step_mm = 0.00025"),
         "mm along each axis; did you mean 0.25 mm, which is 0.00025 m?",
     );
-    let coarse = film().replace("x_mm = [-2, 2]", "x_mm = [0.2, 1]").replace("step_mm = 1", "step_mm = [0.3, 1, 1]");
-    remarked(&coarse, "field", "x_mm = [0.2, 1]; the last points are at 0.8");
+    let coarse = film().replace("x_mm = [-2, 2]", "x_mm = [-0.4, 0.4]").replace("step_mm = 1", "step_mm = [0.3, 1, 1]");
+    remarked(&coarse, "field", "x_mm = [-0.4, 0.4]; the last points are at 0.2");
 }
 
 #[test]
@@ -295,4 +297,18 @@ fn a_negative_amplitude_is_explained() {
     assert!(!sandbox.run(&["compare", "usual.toml"]).stdout.contains("reversed"));
     let said = sandbox.run(&["compare", "usual.toml", "--format", "json"]);
     assert!(serde_json::from_str::<Value>(&said.stdout).expect("JSON").get("remark").is_none());
+}
+
+/// A film with its corner at the origin, and a reference point beside the axis.
+#[test]
+fn volumes_beside_the_film_are_remarked_on() {
+    let corner =
+        film().replace("[2.5, 2.5, 0.5]", "[6.5, 6.5, 0.5]").replace("mirror = { axes = [\"x\", \"y\"] }\n", "");
+    let message = "volume: x_mm = [-2, 2] reaches beyond the film, which fills 4.85 to 8.15 mm";
+    remarked(&corner, "decouple", message);
+    let beside = film().replace("step_mm = 1\n", "step_mm = 1\nreference_mm = [1, 0, -5]\n");
+    remarked(&beside, "decouple", "volume: reference_mm = [1, 0, ...] is not on the axis of the film");
+    // Half a wavelength beside it, R_x and R_y are 0 too.
+    let other_crest = film().replace("step_mm = 1\n", "step_mm = 1\nreference_mm = [5, 0, -5]\n");
+    assert_eq!(findings(&other_crest).1, [""; 0]);
 }

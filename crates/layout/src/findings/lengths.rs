@@ -31,6 +31,10 @@ const MAX_VOLUME_RATIO: f64 = 150.0;
 /// little in common with a sinusoid. No chip in its package comes so near to a film of 10 mm.
 const LEAST_DISTANCE: f64 = 0.01;
 
+/// Distance of the reference point from the axis of the film that counts, in half wavelengths: a
+/// hundredth is that of an inaccurate stage.
+const OFF_AXIS: f64 = 0.05;
+
 /// Findings about the volume, and about the ideal film.
 pub(crate) fn findings(tiles: &[NamedTile], ideal: Option<&IdealFilm>, volume: Option<&WorkingVolume>) -> Vec<Finding> {
     let near = |volume| about_distance(tiles, ideal?, volume);
@@ -102,6 +106,32 @@ fn about_ideal_film(tiles: &[NamedTile], ideal: &IdealFilm, volume: Option<&Work
         ));
     }
     if let Some(volume) = volume {
+        let film = bounds(tiles);
+        let beyond = |axis: &Axis| {
+            let i = axis.index();
+            volume.lower_mm[i] < film.lower[i] || volume.upper_mm[i] > film.upper[i]
+        };
+        if let Some(axis) = [Axis::X, Axis::Y].into_iter().find(beyond) {
+            let i = axis.index();
+            let [low, high, of_film, to] =
+                [volume.lower_mm[i], volume.upper_mm[i], film.lower[i], film.upper[i]].map(short);
+            add(format!(
+                "volume: {axis}_mm = [{low}, {high}] reaches beyond the film, which fills {of_film} to {to} mm: the ideal film \
+                 has no rim, so the two have little in common there"
+            ));
+        }
+        let apart = |value: f64| (value / (0.5 * wavelength)).rem_euclid(1.0);
+        let is_off = |value: f64| apart(value).min(1.0 - apart(value)) > OFF_AXIS;
+        let [x, y, _] = volume.reference_mm.to_array();
+        if is_off(x) || is_off(y) {
+            add(format!(
+                "volume: reference_mm = [{}, {}, ...] is not on the axis of the film, nor half wavelengths, {} mm, beside it: \
+                 R_x and R_y of the ideal film are not 0 there",
+                short(x),
+                short(y),
+                short(0.5 * wavelength)
+            ));
+        }
         // One point in each plane normal to an axis, although the planes have an extent.
         let extents = volume.upper_mm - volume.lower_mm;
         let thin = Axis::ALL.into_iter().filter(|axis| {
