@@ -66,7 +66,12 @@ pub fn print_figure(
     }
     let scale = width_mm / natural_mm;
     if !(least - 1e-3..=most + 1e-3).contains(&scale) {
-        return Err(width(&draft, width_mm, [least * natural_mm, most * natural_mm]));
+        let narrowest_mm = if draft.name == layout_from_above::NAME {
+            LEAST_COLUMN_PX * 0.5 * (least + most) / PX_PER_MM
+        } else {
+            least * natural_mm
+        };
+        return Err(width(&draft, width_mm, [narrowest_mm, most * natural_mm]));
     }
     draft.scaled(text, scale)
 }

@@ -9,7 +9,7 @@ use crate::csv::{csv, quoted};
 use crate::drawing::{Drawing, FigureDraft, SvgText};
 use crate::error::{DrawError, ReportError};
 use crate::marks::{BRACKET_WIDTH_PX, VANISHING, arrow, bracket_arms, corner_brackets, out_of_plane_mark};
-use crate::panel::{BELOW_PX, Panel};
+use crate::panel::{BELOW_PX, NUMBERS_PX, Panel};
 use crate::shared_ranges::SharedRanges;
 use crate::sheet::{DrawResult, INK, Sheet, sheet};
 use crate::survey::tiles_to_draw;
@@ -111,8 +111,15 @@ fn draw(
                 .map(|[from, to]| Rectangle::of_line(from, to, BRACKET_WIDTH_PX))
                 .to_vec()
         });
-        let on_sheet: Vec<TileOnSheet> = order.iter().map(|named| painter.on_sheet(named, prefix)).collect();
-        let Annotations { of_tiles: places, arrow_px } = annotations(&on_sheet, &marks);
+        let mut on_sheet: Vec<TileOnSheet> = order.iter().map(|named| painter.on_sheet(named, prefix)).collect();
+        let mut placed = annotations(&on_sheet, &marks);
+        // In a column, names have the size of numbers or are omitted.
+        let is_small = |place: &Annotation| place.name.as_ref().is_none_or(|name| name.size < NUMBERS_PX);
+        if column_px.is_some() && placed.of_tiles.iter().any(is_small) {
+            on_sheet.iter_mut().for_each(|tile| tile.letters = 0);
+            placed = annotations(&on_sheet, &marks);
+        }
+        let Annotations { of_tiles: places, arrow_px } = placed;
         let mut nameless = places.iter().filter(|place| place.name.is_none()).count();
         // Names on a minority of the tiles would confuse, so then no tile has one.
         if 2 * nameless > tiles.len() {
