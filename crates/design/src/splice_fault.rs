@@ -60,7 +60,7 @@ pub enum SpliceFault {
         "film: {1} mm along {0}, must be at least {least:.4} mm, 5/6 of the wavelength, to contain the crests of the \
          polarization next to the middle{meant}",
         least = least_extent(*.2),
-        meant = if 1e3 * .1 >= least_extent(*.2) { format!("; {}", meant_length(*.1)) } else { String::new() }
+        meant = if *.1 <= 1e-2 * least_extent(*.2) && 1e3 * .1 >= least_extent(*.2) { format!("; {}", meant_length(*.1)) } else { String::new() }
     )]
     NoCrests(char, f64, f64),
     /// B_z of the ideal film vanishes in the working volume: extents along x and y, wavelength.

@@ -186,7 +186,7 @@ impl<'a> MeasuredBox<'a> {
             return Ok(0);
         }
         let Some(size_mm) = tile.size_mm else {
-            return Err(format!("has no part, must have one of {count} in a column part, or sizes"));
+            return Err(format!("has no part, must have the number of one in a column part, 1 to {count}, or sizes"));
         };
         // The nearest part, if no other part is nearly as near. Sizes of parts differ by more than
         // the errors of cuts.

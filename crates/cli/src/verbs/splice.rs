@@ -164,8 +164,8 @@ enum UnderArg {
 pub(crate) fn run(args: &SpliceArgs, quiet: bool) -> Result<u8, Failure> {
     let failed = |error: DesignError| match error {
         DesignError::Contradiction(_) => {
-            let way_out =
-                "a smaller --smallest-cut or --gap, or a larger --film, leaves room for the tiles of the pattern";
+            let way_out = "more --parts or none, a smaller --smallest-cut, --gap or --resolution, or a larger --film leaves room for \
+                 the tiles of the pattern";
             Failure::at(Path::new("splice"), format!("{error}\n{way_out}"))
         }
         error => Failure::design(Path::new("splice"), error),

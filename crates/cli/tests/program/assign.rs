@@ -354,7 +354,7 @@ fn wrong_tables_are_refused_by_line() {
     for (text, message) in [
         ("1-1,1,0.1", "line 2: has 3 fields, must have 5"),
         ("1-1,9,0.1,0,0", "line 2: part = \"9\", must be a number from 1 to 3, as `magsplice tiles` lists the parts"),
-        ("1-1,,0.1,0,0", "line 2: has no part, must have one of 3 in a column part, or sizes"),
+        ("1-1,,0.1,0,0", "line 2: has no part, must have the number of one in a column part, 1 to 3, or sizes"),
         ("1-1,1,weak,0,0", "line 2: jx_t = \"weak\", must be a finite number"),
         ("1-1,1,,0,0", "line 2: left out: the magnetization of tile \"1-1\" is missing"),
         ("1-1,1,120,0,0", "line 2: its polarization is 120 T, must be within 0.5 to 2 times"),

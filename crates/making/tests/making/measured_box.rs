@@ -117,7 +117,7 @@ fn part_is_told_by_number_name_kind_or_sizes() {
     {
         assert_refused(&sized(size_mm), &["fit no single part"]);
     }
-    assert_refused(&MeasuredTile { part: None, ..tile("t") }, &["has no part, must have one of 3"]);
+    assert_refused(&MeasuredTile { part: None, ..tile("t") }, &["has no part, must have the number of one"]);
 }
 
 #[test]
