@@ -87,7 +87,12 @@ fn mirror_planes_change_nothing() {
     let mut easy = across.to_vec();
     easy.iter_mut().for_each(|each| each.permeability = Permeability::along_and_across(1.05, 1.5).unwrap());
     let lone = vec![magnet([1.0; 3], [0.0; 3], [0.3, 0.4, 0.5], 1.2)];
-    for (tiles, images) in [(across.to_vec(), 4), (beside, 2), (easy, 4), (lone, 1)] {
+    // Their positions are mirror images across x, their sizes are not.
+    let unlike = vec![
+        magnet([1.0; 3], [-2.0, 0.0, 0.0], [0.0, 0.3, 0.0], 1.2),
+        magnet([1.0, 2.0, 1.0], [2.0, 0.0, 0.0], [0.0, 0.3, 0.0], 1.2),
+    ];
+    for (tiles, images) in [(across.to_vec(), 4), (beside, 2), (easy, 4), (lone, 1), (unlike, 4)] {
         for level in [2, 3] {
             let division = Division::new(&tiles, level).unwrap();
             let orbits = Orbits::new(&tiles, &division, level);
