@@ -189,7 +189,9 @@ fn patterns_that_do_not_exist_are_errors() {
     assert_eq!(EndlessPattern::new(&[far], &ideal()).err(), Some(EndlessPatternError::Empty));
     let pattern = EndlessPattern::new(&one_period(), &ideal()).expect("a pattern");
     let at = |z: f64| pattern.flux_density_t(&[DVec3::new(0.0, 0.0, z)]);
-    assert!(matches!(at(0.1), Err(EndlessPatternError::NotBelow { .. })));
+    for z in [0.1, 0.0] {
+        assert!(matches!(at(z), Err(EndlessPatternError::NotBelow { .. })), "{z}");
+    }
     assert!(matches!(at(f64::NAN), Err(EndlessPatternError::NotBelow { .. })));
     let Err(EndlessPatternError::TooNear { least_mm, .. }) = at(-0.01) else { panic!("too near") };
     assert!(least_mm < 0.1 * WAVELENGTH && at(-least_mm).is_ok() && at(-0.9 * least_mm).is_err(), "{least_mm}");

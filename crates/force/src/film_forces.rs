@@ -180,4 +180,43 @@ mod tests {
             assert!((divided.torque - whole.torque).length() <= 1e-12 * whole.torque.length(), "{divided:?} {whole:?}");
         }
     }
+
+    /// Cells count up to one and a half times the sum of half the diagonals. Beyond it the mean
+    /// polarization of each tile replaces them. The halves have opposite polarizations across the
+    /// mean, which the tile lacks.
+    #[test]
+    fn distant_tiles_act_with_their_mean_polarization() {
+        let size = DVec3::new(2.0, 1.0, 1.0);
+        let limit = FAR * size.length();
+        let halves_t = [DVec3::new(0.0, 0.8, 1.0), DVec3::new(0.0, -0.8, 1.0)];
+        for (distance, is_near) in [(0.99 * limit, true), (1.01 * limit, false)] {
+            let tiles = [0.0, distance].map(|x| Tile::new(DVec3::X * x, size, DVec3::Z).unwrap());
+            let halves = |tile: &Tile| {
+                [0, 1].map(|half| {
+                    let offset = DVec3::X * (half as f64 - 0.5);
+                    Tile::new(tile.position() + offset, DVec3::ONE, halves_t[half]).unwrap()
+                })
+            };
+            let cells: Vec<Tile> = tiles.iter().flat_map(halves).collect();
+            let found = FilmForces::of_cells(&tiles, &cells, &[0, 0, 1, 1], 1e-9, || {}).unwrap().by_one(0, 1);
+            let of_tiles = load_in_f64(&tiles[0], &tiles[1], 1e-9).unwrap();
+            let pairs = [(0, 2), (0, 3), (1, 2), (1, 3)];
+            let of_cells: DVec3 =
+                pairs.iter().map(|&(of, by)| load_in_f64(&cells[of], &cells[by], 1e-9).unwrap().force).sum();
+            // The halves change the force by more than a tenth.
+            assert!((of_cells - of_tiles.force).length() > 0.1 * of_tiles.force.length(), "{of_cells} {of_tiles:?}");
+            let expected = if is_near { of_cells } else { of_tiles.force };
+            assert!((found.force - expected).length() < 1e-12 * expected.length(), "{distance}: {found:?} {expected}");
+        }
+    }
+
+    /// The first pair of the largest film is evaluated, and one tile more is refused before.
+    #[test]
+    fn films_with_more_tiles_than_the_most_are_refused() {
+        let not_converged = NotConverged { integral: magsplice_pair::PairIntegral::Load, reached: 1.0, tolerance: 0.0 };
+        let refused = |count| FilmForces::of_pairs(count, || (), |_, _| Err(not_converged)).unwrap_err();
+        let most = FilmForces::MOST_TILES;
+        assert!(matches!(refused(most), FilmForcesError::Pair { .. }));
+        assert!(matches!(refused(most + 1), FilmForcesError::TooManyTiles { count, .. } if count == most + 1));
+    }
 }

@@ -108,3 +108,33 @@ fn no_tiles_and_one_tile_have_no_forces() {
         assert_eq!((found.order.holding(), found.bound), (0.0, 0.0));
     }
 }
+
+/// The loads of an order are the forces and torques by the tiles placed before.
+#[test]
+fn each_step_has_the_load_by_the_tiles_before() {
+    let forces = forces(&film(2, 3));
+    let tiles = vec![3, 0, 5, 1, 2, 4];
+    let order = PlacementOrder::new(&forces, tiles.clone()).unwrap();
+    assert_eq!(order.loads().len(), 6);
+    for (step, load) in order.loads().iter().enumerate() {
+        assert_eq!(*load, forces.by_some(tiles[step], tiles[..step].iter().copied()));
+    }
+    assert_eq!(order.holding(), holding(&forces, &tiles));
+}
+
+/// Without annealing and bound, the order is built from its end: of the tiles placed up to a step,
+/// the tile of the step has the smallest force by all others. Forces differ by round-off from sums
+/// in another order.
+#[test]
+fn greedy_order_ends_with_the_tile_of_the_smallest_force() {
+    let forces = forces(&film(4, 5));
+    let settings = OrderSettings { runs: 0, examined_sets: 0, ..SETTINGS };
+    let found = LeastHolding::search(&forces, &settings, || ());
+    assert_eq!(found.order.holding(), found.greedy);
+    let order = found.order.tiles();
+    for step in 0..order.len() {
+        let force_n = |tile: usize| forces.by_some(tile, order[..=step].iter().copied()).force.length();
+        let least = order[..=step].iter().map(|&tile| force_n(tile)).fold(f64::INFINITY, f64::min);
+        assert!(force_n(order[step]) <= least + 1e-13 * found.greedy, "step {step}");
+    }
+}

@@ -169,4 +169,19 @@ mod tests {
         let tile = Tile::new(DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.85, 3.3, 1.0), DVec3::Y).unwrap();
         assert_eq!(cells(&tile, 1).unwrap(), [tile]);
     }
+
+    /// Faces are rounded relative to the sides: a power of two changes no digit.
+    #[test]
+    fn cells_scale_with_the_tile() {
+        for scale in [2.0_f64.powi(-20), 2.0_f64.powi(10)] {
+            for size in [DVec3::new(3.0, 2.0, 1.0), DVec3::new(0.7, 0.9, 15.0)] {
+                let tile = |scale: f64| Tile::new(DVec3::ZERO, scale * size, DVec3::Z).unwrap();
+                let scaled = cells(&tile(scale), 4).unwrap();
+                for (scaled, cell) in scaled.iter().zip(cells(&tile(1.0), 4).unwrap()) {
+                    assert_eq!(scaled.size(), scale * cell.size());
+                    assert_eq!(scaled.position(), scale * cell.position());
+                }
+            }
+        }
+    }
 }

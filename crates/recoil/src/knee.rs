@@ -68,6 +68,8 @@ mod tests {
         let [Some(field_t)] = alone.fields_along_easy_axis_t()[..] else { panic!("one cell") };
         assert!((field_t + 1.0 / 3.05).abs() <= 1e-12, "{field_t}");
         assert!(alone.beyond_knee(0.33).is_empty());
+        // A sum of no volumes is -0, which would be printed.
+        assert!(alone.share_beyond_knee(0.33).is_sign_positive());
         assert_eq!(alone.beyond_knee(0.32), [DemagnetizedCell { cell: 0, tile: 0, field_t }]);
         assert_eq!(alone.share_beyond_knee(0.32), 1.0);
         let tiles = [cube(5.0, DVec3::ZERO), cube(0.0, DVec3::X), cube(1.0, -DVec3::X)];

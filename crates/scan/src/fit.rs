@@ -168,8 +168,10 @@ pub fn fit_determined<'a>(
     centre: Option<DVec3>,
 ) -> Result<(ScanFit, FreeParameters), ScanError> {
     let field = field.into();
-    let noise_t = field.sensor().deviation_t().max_element();
-    let scaled_t: Vec<DVec3> = readings_t.iter().map(|reading_t| *reading_t / field.sensor().gain).collect();
+    let sensor = *field.sensor();
+    let noise_t = (sensor.deviation_t() / sensor.gain.abs()).max_element();
+    let scaled_t: Vec<DVec3> =
+        readings_t.iter().map(|reading_t| (*reading_t - sensor.offset_t) / sensor.gain).collect();
     let fitted = |free| fit_scan(field.clone(), points, readings_t, free, centre);
     let share = |fit: &ScanFit| fit.noise_t / root_mean_square(fit, &scaled_t);
     let is_noise = |fit: &ScanFit| match noise_t > 0.0 {

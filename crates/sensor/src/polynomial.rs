@@ -232,3 +232,28 @@ fn points(volume: &Grid, counts: [usize; 3], at: impl Fn(usize, usize) -> f64) -
     }
     points
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An error c n^2 at the n-th point along one axis has the second difference 2 c along it and
+    /// none along the others. The bound exceeds the largest error by an eighth of it, with the
+    /// margin.
+    #[test]
+    fn errors_between_points_are_bounded_by_second_differences_along_each_axis() {
+        const C: f64 = 1e-3;
+        for axis in 0..3 {
+            let mut errors = Vec::new();
+            for i in 0..CHECKS[0] {
+                for j in 0..CHECKS[1] {
+                    errors.extend((0..CHECKS[2]).map(|k| DVec3::Y * (C * ([i, j, k][axis] as f64).powi(2))));
+                }
+            }
+            let at_points = C * ((CHECKS[axis] - 1) as f64).powi(2);
+            let expected = at_points + MARGIN * 2.0 * C / 8.0;
+            // Round-off of differences of numbers up to `at_points`.
+            assert!((largest_between(&errors) - expected).abs() < 1e-15 * 4.0 * at_points, "axis {axis}");
+        }
+    }
+}

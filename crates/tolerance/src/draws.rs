@@ -144,6 +144,22 @@ mod tests {
         assert_ne!(later.noise_t(4 * TileError::ALL.len() / 3, &errors.position).to_array(), position);
     }
 
+    /// Mean and mean square of n normal deviates scatter about 0 and 1 by 1 and 2^1/2 over the root
+    /// of n. Six of these are allowed.
+    #[test]
+    fn noise_has_its_deviation_along_each_axis() {
+        let deviations_t = DVec3::new(1e-6, 2e-6, 5e-6);
+        let noise = deviations_t.to_array().map(Distribution::normal);
+        let n = 10_000;
+        let mut draws = Draws::new(3, 5);
+        let all: Vec<DVec3> = (0..n).map(|reading| draws.noise_t(reading, &noise) / deviations_t).collect();
+        let root = (n as f64).sqrt();
+        let mean = all.iter().sum::<DVec3>() / n as f64;
+        let squares = all.iter().map(|b| *b * *b).sum::<DVec3>() / n as f64;
+        assert!(mean.abs().max_element() < 6.0 / root, "{mean}");
+        assert!((squares - 1.0).abs().max_element() < 6.0 * 2.0_f64.sqrt() / root, "{squares}");
+    }
+
     /// Components of a unit vector of any direction have mean 0 and mean square 1/3, with standard
     /// deviations of (1/3)^1/2 and (4/45)^1/2 over the root of n.
     #[test]

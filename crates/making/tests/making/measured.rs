@@ -1,5 +1,6 @@
 //! Measurements with errors, shim tiles, and samples of films with sorted tiles.
 
+use glam::DVec3;
 use magsplice_decouple::Figures;
 use magsplice_layout::{Distribution, FilmTolerance, Layout, Part, TileErrors};
 use magsplice_making::{
@@ -76,6 +77,32 @@ fn predicted_errors_are_those_of_samples() {
     let [mean, p95] = [sampled.mean.value / predicted.mean.value, sampled.p95.value / predicted.p95.value];
     assert!((mean - 1.0).abs() < 0.06 && (p95 - 1.0).abs() < 0.12, "{mean}, {p95} of {predicted:?}");
     assert!(predicted.mean.value > 1.5 * found.rms_mm, "{predicted:?} and {found:?}");
+}
+
+/// Measurements scatter about the tile with the stated deviations.
+///
+/// Mean and deviation of 4000 deviates have standard errors of 1.6 and 1.1 % of the deviation. The
+/// test allows four of them. The turn shortens the component along J by 1e-4 of it, which is 0.5 %
+/// of its deviation.
+#[test]
+fn measured_tiles_have_the_stated_deviations() {
+    let tile =
+        CutTile { name: "t".to_owned(), polarization_t: DVec3::new(0.2, 0.0, 0.0), size_mm: DVec3::new(3.0, 2.0, 1.0) };
+    let errors = MeasurementErrors { strength: 0.02, direction_rad: 0.01, size_mm: Some(0.03) };
+    let mut random = ChaCha8Rng::seed_from_u64(3);
+    let measured: Vec<CutTile> = (0..4000).map(|_| errors.measured(&tile, DVec3::ONE, &mut random)).collect();
+    let assert_scatter = |of: fn(&CutTile) -> DVec3, deviations: DVec3| {
+        for axis in 0..3 {
+            let deviates = measured.iter().map(|one| (of(one) - of(&tile))[axis] / deviations[axis]);
+            let mean = deviates.clone().sum::<f64>() / 4000.0;
+            let rms = (deviates.map(|deviate| deviate * deviate).sum::<f64>() / 4000.0).sqrt();
+            assert!(mean.abs() < 0.07 && (rms - 1.0).abs() < 0.045, "axis {axis}: mean {mean}, rms {rms}");
+        }
+    };
+    assert_scatter(|tile| tile.polarization_t, 0.2 * DVec3::new(0.02, 0.01, 0.01));
+    assert_scatter(|tile| tile.size_mm, DVec3::splat(0.03));
+    let unmeasured = MeasurementErrors { size_mm: None, ..errors }.measured(&tile, DVec3::ONE, &mut random);
+    assert_eq!(unmeasured.size_mm, DVec3::ONE);
 }
 
 /// Without shims the film is the best found; with two, it is better, and at a minimum with respect

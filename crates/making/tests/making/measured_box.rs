@@ -166,6 +166,9 @@ fn measured_numbers_are_near_what_was_ordered() {
     };
     assert!(part_of(&turned(44.9)).is_some());
     assert_refused(&turned(45.2), &["its polarization is 45.2 deg from the polarization of part"]);
+    // 45 deg, with nine decimals: 4e-7 deg short of it.
+    let rounded_t = MeasuredMagnet::Polarization(DVec3::new(0.070710679, 0.0, 0.070710678));
+    assert_refused(&MeasuredTile { magnet: rounded_t, ..tile("t") }, &["its polarization is 45.0 deg from"]);
 }
 
 /// J = mu0 m / V with the measured sides; 0.1 T in 3 x 3 x 1 mm are 7.16e-4 A m2.

@@ -290,3 +290,30 @@ fn moments(tree: &Octree, cells: &[Tile]) -> Vec<[Coefficients; 3]> {
     };
     sources.par_chunks(3 * CELLS_AT_ONCE).flat_map_iter(of_cells).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use magsplice_magnet::{Permeability, Tile};
+
+    use super::*;
+    use crate::material::RecoilTile;
+
+    /// The memory counted before the work is the memory of what is kept. One group of cells is far
+    /// from the other, and each has several leaves.
+    #[test]
+    fn memory_is_the_size_of_moments_translations_and_tensors() {
+        let tile = |x: f64| RecoilTile {
+            tile: Tile::new(DVec3::X * x, DVec3::new(3.0, 2.0, 1.0), DVec3::Z).unwrap(),
+            permeability: Permeability::isotropic(1.2).unwrap(),
+        };
+        let division = Division::new(&[tile(0.0), tile(9.0)], 7).unwrap();
+        let kept = CellSum::new(&division, &vec![1.0; division.cells.len()], |_| {}).unwrap();
+        let Interactions { far, near } = Interactions::new(&kept.tree);
+        let [moments, translations] = [size_of_val(&kept.moments[..]), kept.matrices.len()];
+        let pairs: usize = kept.far.iter().map(|group| size_of_val(&group.pairs[..])).sum();
+        let tensors: usize = kept.near.iter().map(|block| size_of_val(&block.tensors[..])).sum();
+        let matrices = translations * COEFFICIENTS * size_of::<Coefficients>();
+        assert!(pairs > 0 && tensors > 0 && matrices > 0);
+        assert_eq!(bytes(&kept.tree, &far, &near), moments + pairs + matrices + tensors);
+    }
+}

@@ -103,3 +103,34 @@ impl Octree {
         self.nodes[at].children = first..self.nodes.len();
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The centres of the cells of a node are in its cube, each node has at most
+    /// [`CELLS_PER_LEAF`] cells or children with all of them, and the cubes of a level are half as
+    /// wide as the cubes above.
+    #[test]
+    fn nodes_are_cubes_around_their_cells() {
+        let place = |n: usize| DVec3::new((n % 7) as f64, (n / 7 % 5) as f64, (n / 35) as f64) * 3.0;
+        let cells: Vec<Tile> = (0..210).map(|n| Tile::new(place(n), DVec3::ONE, DVec3::Z).unwrap()).collect();
+        let tree = Octree::new(&cells);
+        assert_eq!(tree.side(0), 18.0);
+        for level in 0..4 {
+            assert_eq!(tree.side(level + 1), 0.5 * tree.side(level));
+        }
+        for node in &tree.nodes {
+            let half = 0.5 * tree.side(node.level);
+            for &cell in &tree.order[node.cells.clone()] {
+                let offset = (cells[cell].position() - tree.centre(node)).abs().max_element();
+                assert!(offset <= half * (1.0 + 1e-12), "{offset} of {half}");
+            }
+            let children = &tree.nodes[node.children.clone()];
+            let count: usize = children.iter().map(|child| child.cells.len()).sum();
+            assert_eq!(count, if children.is_empty() { 0 } else { node.cells.len() });
+            assert!(!children.is_empty() || node.cells.len() <= CELLS_PER_LEAF);
+        }
+        assert!(tree.nodes.iter().any(|node| node.level >= 2));
+    }
+}

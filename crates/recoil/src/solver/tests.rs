@@ -87,7 +87,12 @@ fn mirror_planes_change_nothing() {
     let mut easy = across.to_vec();
     easy.iter_mut().for_each(|each| each.permeability = Permeability::along_and_across(1.05, 1.5).unwrap());
     let lone = vec![magnet([1.0; 3], [0.0; 3], [0.3, 0.4, 0.5], 1.2)];
-    for (tiles, images) in [(across.to_vec(), 4), (beside, 2), (easy, 4), (lone, 1)] {
+    // Their positions are mirror images across x, their sizes are not.
+    let unlike = vec![
+        magnet([1.0; 3], [-2.0, 0.0, 0.0], [0.0, 0.3, 0.0], 1.2),
+        magnet([1.0, 2.0, 1.0], [2.0, 0.0, 0.0], [0.0, 0.3, 0.0], 1.2),
+    ];
+    for (tiles, images) in [(across.to_vec(), 4), (beside, 2), (easy, 4), (lone, 1), (unlike, 4)] {
         for level in [2, 3] {
             let division = Division::new(&tiles, level).unwrap();
             let orbits = Orbits::new(&tiles, &division, level);
@@ -105,5 +110,24 @@ fn mirror_planes_change_nothing() {
                 }
             }
         }
+    }
+}
+
+/// The solution takes one product for each distinct eigenvalue, here four from 1 to 100, apart from
+/// round-off. Directions that are not conjugate take hundreds.
+#[test]
+fn conjugate_gradients_take_one_product_for_each_eigenvalue() {
+    const EIGENVALUES: [f64; 4] = [1.0, 7.0, 40.0, 100.0];
+    let right: Vec<DVec3> = (0..20).map(|n| DVec3::new(1.0, 0.5 + f64::from(n), -2.0)).collect();
+    let products = std::cell::Cell::new(0);
+    let matrix = |x: &[DVec3]| {
+        products.set(products.get() + 1);
+        x.iter().enumerate().map(|(n, x)| EIGENVALUES[n % 4] * *x).collect()
+    };
+    let solution = conjugate_gradients(&right, 1e-10, matrix).unwrap();
+    assert!(products.get() <= 5, "{} products", products.get());
+    for (n, (x, right)) in solution.iter().zip(&right).enumerate() {
+        // The residual is 1e-10 of the right side, whose norm is 53, and the least eigenvalue is 1.
+        assert!((*x - *right / EIGENVALUES[n % 4]).length() < 1e-8, "{n}: {x}");
     }
 }

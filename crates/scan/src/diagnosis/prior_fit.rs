@@ -139,3 +139,28 @@ fn score(whole: &DMatrix<f64>, left: DMatrix<f64>, signal: &DVector<f64>) -> Sco
     }
     Score { chi_squared, ln_probability: ln_probability_above(chi_squared, freedom) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The estimate is the minimum of v^T (G + D^-2) v - 2 p v, and the gain of values is their
+    /// height above it. The second unknown has no deviation and stays 0.
+    #[test]
+    fn gain_is_the_height_above_the_minimum() {
+        let gram = DMatrix::from_row_slice(3, 3, &[4.0, 1.0, 0.5, 1.0, 9.0, 2.0, 0.5, 2.0, 3.0]);
+        let (projected, deviations) = (DVector::from_vec(vec![1.0, -2.0, 3.0]), [0.5, 0.0, 2.0]);
+        let fit = PriorFit::new(&gram, &projected, &deviations).unwrap();
+        assert_eq!(fit.estimate[1], 0.0);
+        let height = |values: &DVector<f64>| {
+            let prior = values[0].powi(2) / 0.25 + values[2].powi(2) / 4.0;
+            values.dot(&(&gram * values)) + prior - 2.0 * projected.dot(values)
+        };
+        for values in [[0.3, 0.0, -0.7], [0.0, 0.0, 0.0], [-5.0, 0.0, 2.0]] {
+            let values = DVector::from_vec(values.to_vec());
+            let expected = height(&values) - height(&fit.estimate);
+            assert!((fit.gain(&values) - expected).abs() < 1e-12 * expected, "{values}: {expected}");
+        }
+        assert_eq!(fit.gain(&fit.estimate), 0.0);
+    }
+}

@@ -4,11 +4,11 @@ use std::f64::consts::TAU;
 
 use glam::{DQuat, DVec3};
 use magsplice_field::Scene;
-use magsplice_layout::{FilmTolerance, Layout, Preset};
+use magsplice_layout::{Distribution, FilmTolerance, Layout, Preset, TileErrors};
 use magsplice_magnet::{Axis, Quantity, Tile, TileError};
 use magsplice_scan::{
     Candidate, Diagnosis, DiagnosisError, DiagnosisSettings, ErrorKind, Exclusion, FieldScan, FreeParameters,
-    ScanDiagnosis, ScanParameters,
+    NarrowedError, ScanDiagnosis, ScanParameters, SimilarErrors,
 };
 use magsplice_tolerance::RealFilm;
 use rand::{Rng, SeedableRng};
@@ -127,6 +127,66 @@ fn detected_errors_have_their_values() {
         assert!(found.position().distance(made.position()) < 0.01);
         assert!(found.scene_polarization_t().distance(made.scene_polarization_t()) < 1e-3);
     }
+}
+
+/// The deviations before a scan are the expected ones, or the prior ones if none is expected. An
+/// error is unresolved if the scan leaves more than half of its deviation.
+#[test]
+fn errors_are_narrowed_from_their_expected_or_prior_deviations() {
+    let prior = TileErrors {
+        position: [0.2, 0.1, 0.3].map(Distribution::normal),
+        strength: Distribution::normal(0.03),
+        ..TileErrors::default()
+    };
+    let stated = TileErrors { strength: Distribution::normal(0.01), ..TileErrors::default() };
+    let readings_t = readings(&film(), &points(), 0.0, &mut ChaCha8Rng::seed_from_u64(1));
+    let narrowed = |expected: FilmTolerance| {
+        let settings = DiagnosisSettings { expected, prior: prior.clone(), ..DiagnosisSettings::default() };
+        model(settings).diagnose(&readings_t, |_| {}).unwrap().narrowed
+    };
+    let before = |error: TileError| match error {
+        TileError::Position(Axis::X) => 0.2,
+        TileError::Position(Axis::Y) => 0.1,
+        TileError::Position(Axis::Z) => 0.3,
+        TileError::Strength => 0.03,
+        other => panic!("{other:?} is exact"),
+    };
+    let by_prior = narrowed(FilmTolerance::default());
+    assert_eq!(by_prior.len(), 4 * film().len());
+    assert!(by_prior.iter().all(|of| (of.before / before(of.error) - 1.0).abs() < 1e-12 && of.after < of.before));
+    let by_expected = narrowed(FilmTolerance::of_tiles(&stated, film().len()));
+    assert_eq!(by_expected.len(), film().len());
+    assert!(by_expected.iter().all(|of| of.error == TileError::Strength && (of.before / 0.01 - 1.0).abs() < 1e-12));
+    let of = NarrowedError { before: 0.2, after: 0.101, ..by_prior[0] };
+    assert!(of.is_unresolved() && !NarrowedError { after: 0.099, ..of }.is_unresolved());
+}
+
+/// From far away, the strengths of two tiles side by side have nearly the same effect. Their
+/// correlation is the cosine between the fields of the two tiles at all points. From nearby the
+/// effects differ.
+#[test]
+fn errors_with_the_same_effect_are_similar() {
+    let tiles = [-0.5, 0.5].map(|x| Tile::new(DVec3::new(x, 0.0, 0.5), DVec3::ONE, DVec3::Z).unwrap());
+    let strengths = |height_mm: f64| {
+        let points_mm: Vec<DVec3> = points().into_iter().map(|point| DVec3 { z: -height_mm, ..point }).collect();
+        let [first, second] =
+            tiles.map(|tile| Scene::new(&[tile]).field_at(Quantity::FluxDensity, &points_mm).unwrap());
+        let dot = |a: &[DVec3], b: &[DVec3]| a.iter().zip(b).map(|(a, b)| a.dot(*b)).sum::<f64>();
+        let correlation = dot(&first, &second) / (dot(&first, &first) * dot(&second, &second)).sqrt();
+        let readings_t: Vec<DVec3> = first.iter().zip(&second).map(|(a, b)| *a + *b).collect();
+        let scan = FieldScan { points_mm, noise_t: DVec3::splat(NOISE_T) };
+        let settings = DiagnosisSettings::default();
+        let diagnosis = ScanDiagnosis::new(&tiles, scan, settings, ScanParameters::PERFECT).unwrap();
+        let found = diagnosis.diagnose(&readings_t, |_| {}).unwrap();
+        assert!(found.similar.is_sorted_by(|a, b| a.correlation.abs() >= b.correlation.abs()));
+        let of_strengths =
+            |pair: &&SimilarErrors| (pair.first, pair.second) == ((0, TileError::Strength), (1, TileError::Strength));
+        (correlation, found.similar.iter().find(of_strengths).map(|pair| pair.correlation))
+    };
+    let (correlation, found) = strengths(20.0);
+    assert!(correlation > 0.995 && (found.expect("similar") - correlation).abs() < 1e-6, "{correlation} {found:?}");
+    let (correlation, found) = strengths(1.0);
+    assert!(correlation < 0.99 && found.is_none(), "{correlation} {found:?}");
 }
 
 /// Chi squared of a film without faults is within five deviations sqrt(2 n) of the number of

@@ -105,6 +105,26 @@ fn scans_that_tell_too_little_are_refused() {
     assert!(error.is_err(), "{:?}", error.map(|fit| fit.parameters));
 }
 
+/// Parameters are reported up to a residual of a fifth of the readings. Normal deviates of this
+/// part have no outliers.
+#[test]
+fn residuals_of_more_than_a_fifth_of_the_readings_are_a_misfit() {
+    let (scene, points) = film();
+    let exact = scan(&scene, &points, 0.0, 1);
+    let squares = exact.iter().map(|reading| (*reading - TRUTH.offset_t).length_squared()).sum::<f64>();
+    let rms_t = (squares / (3 * exact.len()) as f64).sqrt();
+    let fit =
+        |share: f64| fit_scan(&scene, &points, &scan(&scene, &points, share * rms_t, 1), FreeParameters::ALL, None);
+    assert!(fit(0.15).is_ok());
+    match fit(0.23) {
+        // The readings contain the residual, so the ratio is 0.23 / (1 + 0.23^2)^1/2 = 0.224.
+        Err(ScanError::Misfit { residual_t, reading_t }) => {
+            assert!((0.21..0.24).contains(&(residual_t / reading_t)), "{residual_t} of {reading_t}");
+        }
+        other => panic!("{other:?}"),
+    }
+}
+
 #[test]
 fn parameters_that_are_not_free_stay() {
     let (scene, points) = film();
@@ -164,5 +184,34 @@ fn strength_is_held_where_errors_of_tiles_look_like_it() {
         let ScanParameters { strength, start, rotation_rad, .. } = fit.parameters;
         assert_eq!((free, strength), (FreeParameters::HELD_STRENGTH, 1.0), "film {index}");
         assert!(start.length() < 0.3 && rotation_rad.length() < 0.1, "film {index}: {start} {rotation_rad}");
+    }
+}
+
+/// Gain and offset of a sensor change neither what is fitted nor its values. The offset is several
+/// times the field, and the noise far below the residual of the film, whatever the gain.
+#[test]
+fn gain_and_offset_of_the_sensor_do_not_change_what_is_fitted() {
+    let layout = Layout::read("../../layouts/published-film.toml").unwrap_or_else(|e| panic!("{e}"));
+    let (ordered, grid) = (layout.bare_tiles(), layout.volume.expect("a volume").grid);
+    let (scene, points) = (Scene::new(&ordered), grid.points().collect::<Vec<DVec3>>());
+    let expected = FilmTolerance::of_tiles(&Preset::ByHand.errors(), ordered.len());
+    let made = RealFilm::new(&ordered, &expected).sample_tiles(1, 0).unwrap();
+    let field_t = Scene::new(&made).field_at(Quantity::FluxDensity, &points).unwrap();
+    let (fit, free) = fit_determined(&scene, &points, &field_t, None).unwrap();
+    assert_eq!(free, FreeParameters::HELD_STRENGTH);
+    for (gain, offset_t, noise_t) in [(1.5, 0.02, 0.0), (1e-3, 0.0, 0.0), (100.0, 0.0, 5e-4)] {
+        let sensor = HallSensor {
+            gain: DVec3::splat(gain),
+            offset_t: DVec3::splat(offset_t),
+            noise_t: DVec3::splat(noise_t),
+            ..HallSensor::default()
+        };
+        let readings_t: Vec<DVec3> = field_t.iter().map(|b| sensor.gain * *b + sensor.offset_t).collect();
+        let sensed = SensedField::new(&scene, sensor, &grid).unwrap();
+        let (found, found_free) = fit_determined(sensed, &points, &readings_t, None).unwrap();
+        assert_eq!(found_free, free, "gain {gain}, offset {offset_t} T");
+        for (found, fit) in numbers(&found.parameters).into_iter().zip(numbers(&fit.parameters)) {
+            assert!((found - fit).abs() < 1e-9, "{found}, not {fit}");
+        }
     }
 }

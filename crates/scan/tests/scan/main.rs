@@ -4,4 +4,5 @@ mod damage;
 mod diagnosis;
 mod fit;
 mod noisy;
+mod sample_scan;
 mod wild;

@@ -4,7 +4,7 @@ use glam::DVec3;
 use magsplice_decouple::{Branch, Parameters};
 use magsplice_field::Scene;
 use magsplice_layout::Layout;
-use magsplice_magnet::{Grid, HallSensor, Quantity};
+use magsplice_magnet::{Grid, HallSensor, Quantity, Tile};
 use magsplice_sensor::{LocateError, Locator, Noise};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -154,5 +154,28 @@ fn readings_do_not_depend_on_each_other() {
     let together = locator.locate(&readings);
     for index in [0, 1, 16_383, 16_384, 19_999] {
         assert_eq!(locator.locate(&readings[index..=index]), together[index..=index]);
+    }
+}
+
+/// Steps and distances count relative to the volume: tiles and volume in metres have the positions
+/// in metres. The positions in both units are exact to 1e-9 of the volume.
+#[test]
+fn positions_scale_with_the_unit_of_length() {
+    let (_, grid, layout) = shipped("published-film");
+    let points = points_within(&grid, 200, &mut ChaCha8Rng::seed_from_u64(6));
+    for unit in [1e-3, 1e3] {
+        let scaled = |tile: &Tile| {
+            Tile::new(unit * tile.position(), unit * tile.size(), tile.polarization_t())
+                .and_then(|new| new.rotated(tile.rotation()))
+                .unwrap()
+        };
+        let scene = Scene::new(&layout.bare_tiles().iter().map(scaled).collect::<Vec<Tile>>());
+        let locator = Locator::new(&scene, Grid::new(unit * grid.lower(), unit * grid.upper(), grid.counts()).unwrap());
+        let scaled_points: Vec<DVec3> = points.iter().map(|point| unit * *point).collect();
+        let readings = scene.field_at(Quantity::FluxDensity, &scaled_points).unwrap();
+        for (point, found) in scaled_points.iter().zip(locator.unwrap().locate(&readings)) {
+            let error = found.unwrap_or_else(|e| panic!("{point}: {e}")).position.distance(*point);
+            assert!(error < 1e-9 * unit * (grid.upper() - grid.lower()).length(), "{point}: {error:e}");
+        }
     }
 }

@@ -1,7 +1,9 @@
 //! Samples of films, and the tiles of their steps.
 
 use super::*;
-use magsplice_layout::{Distribution, ErrorGroup, TileErrors};
+use magsplice_field::Scene;
+use magsplice_layout::{Distribution, ErrorGroup, Neighbour, TileErrors};
+use magsplice_magnet::Quantity;
 
 fn normal(deviations: [f64; 3]) -> [Distribution; 3] {
     deviations.map(Distribution::normal)
@@ -148,4 +150,45 @@ fn direction_errors_are_in_the_plane_of_the_film_and_out_of_it() {
     assert!(in_plane.z.abs() < 1e-15 && (in_plane.angle_between(j_t) - 0.1).abs() < 1e-12);
     let out = turned_in_tile(&tile, [0.0, 0.1]);
     assert!((out.z.abs() - 0.5 * 0.1_f64.sin()).abs() < 1e-12, "{out}");
+}
+
+/// J within a quarter of a degree of the film's normal turns about the tile's x first, or about its
+/// y if x is along J.
+#[test]
+fn direction_errors_of_tiles_magnetized_along_the_normal_are_about_their_own_axes() {
+    let along = |deg: f64| DVec3::new(f64::to_radians(deg).sin(), 0.0, f64::to_radians(deg).cos());
+    let tile = |j_t: DVec3, rotation: DQuat| {
+        Tile::new(DVec3::ZERO, DVec3::ONE, j_t).and_then(|tile| tile.rotated(rotation)).expect("valid")
+    };
+    for (deg, expected) in [(0.0, DVec3::X), (0.2, DVec3::X), (0.4, DVec3::Z), (180.0, DVec3::X), (90.0, DVec3::Z)] {
+        assert_eq!(direction_normal(&tile(0.1 * along(deg), DQuat::IDENTITY)), Some(expected), "{deg}");
+    }
+    let x_up = DQuat::from_rotation_y(-std::f64::consts::FRAC_PI_2);
+    let upright = tile(0.1 * DVec3::X, x_up);
+    assert!(upright.scene_polarization_t().distance(0.1 * DVec3::Z) < 1e-15);
+    assert_eq!(direction_normal(&upright), Some(DVec3::Y));
+    let [first, second] = direction_axes(&upright).expect("J");
+    assert!(first.distance(DVec3::Y) < 1e-15 && second.distance(DVec3::Z) < 1e-15, "{first} {second}");
+    assert_eq!(direction_normal(&tile(DVec3::ZERO, DQuat::IDENTITY)), None);
+}
+
+/// A sample contains the film beside it, with the field of its tiles.
+#[test]
+fn sample_has_the_field_of_its_neighbour() {
+    let tiles = film(&TileErrors::default()).tiles().to_vec();
+    let mut tolerance = FilmTolerance::default();
+    let alone = RealFilm::new(&tiles, &tolerance).sample(1, 2).expect("valid");
+    assert!(alone.neighbour().is_none());
+    let beside = vec![Tile::new(DVec3::new(20.0, 0.0, 0.0), DVec3::ONE, DVec3::Z).expect("valid")];
+    tolerance.common.neighbour = Some(Neighbour {
+        tiles: beside.clone(),
+        layout: "beside.toml".to_owned(),
+        position_mm: [20.0, 0.0, 0.0],
+        rotation: None,
+        later: false,
+    });
+    let sample = RealFilm::new(&tiles, &tolerance).sample(1, 2).expect("valid");
+    let place = DVec3::new(15.0, 1.0, -4.0);
+    let field_t = |scene: &Scene| scene.field(Quantity::FluxDensity, place).expect("outside");
+    assert_eq!(field_t(sample.neighbour().expect("a neighbour")), field_t(&Scene::new(&beside)));
 }
