@@ -196,8 +196,8 @@ pub fn refine_within(
 }
 
 /// The quantity at a level, 3 or higher, extrapolated from this level and the one before, with its
-/// errors. See [`refine`] and, for `groups`, [`refine_within`]; tiles without permeabilities above 1
-/// have no errors at any level.
+/// errors. See [`refine`] and, for `groups`, [`refine_within`]; tiles without permeabilities above
+/// 1 have no errors at any level.
 ///
 /// # Errors
 /// If the polarization cannot be computed, or the level has more than [`MAX_CELLS`] cells.
