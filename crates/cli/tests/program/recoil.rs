@@ -150,7 +150,7 @@ fn field_is_that_of_the_weakened_tiles() {
 #[test]
 fn errors_that_cannot_be_kept_are_refused() {
     // So permeable a film is divided into few cells only.
-    let sandbox = sandbox("[material]\nrecoil_permeability = 200\nrecoil_error = 0.001\n");
+    let sandbox = sandbox("[material]\nrecoil_permeability = 200\nrecoil_error = 5e-4\n");
     let said = sandbox.run(&["decouple", "film.toml"]);
     assert!(said.status != 0, "{}", said.stdout);
     assert!(said.stderr.contains("raise recoil_error in [material]"), "{}", said.stderr);

@@ -200,6 +200,20 @@ fn refinement_without_enough_cells_says_so() {
     assert_eq!(best_of(1000, 0.8 * tolerance).2.unwrap().level, LEAST_LEVEL);
 }
 
+/// A tenth of a side below two cubes the error falls so slowly that a hundredth of the change needs
+/// more cells than possible. This is known after a few hundred.
+#[test]
+fn tolerance_out_of_reach_is_refused_early() {
+    let tiles = [-0.5, 0.5].map(|x: f64| magnet([1.0; 3], [x, 0.0, 0.5], [0.0, 0.0, -1.2 * x.signum()], 2.0));
+    let points: Vec<DVec3> = (-4..=4).map(|x| DVec3::new(0.25 * f64::from(x), 0.1, -0.1)).collect();
+    let Err(RefinementError::NotConverged { best: Some(best), needed_cells, .. }) =
+        refine_to(&tiles, &points, (2e-3, MAX_CELLS))
+    else {
+        panic!("refused");
+    };
+    assert!(best.level <= 8 && needed_cells > MAX_CELLS, "{} {needed_cells}", best.level);
+}
+
 #[test]
 fn refinement_of_no_numbers_ends_at_the_first_error() {
     let (tiles, _) = &cases()[0];
