@@ -4,7 +4,9 @@ use glam::DVec3;
 use magsplice_field::Scene;
 use magsplice_magnet::{Permeability, Quantity, Tile};
 use magsplice_recoil::tolerances::MAX_CELLS;
-use magsplice_recoil::{Group, RecoilTile, Refined, RefinementError, RefinementSettings, extrapolated_at, refine};
+use magsplice_recoil::{
+    Group, RecoilTile, Refined, RefinementError, RefinementSettings, extrapolated_at, refine, refine_within,
+};
 
 use crate::magnet;
 
@@ -200,16 +202,17 @@ fn refinement_without_enough_cells_says_so() {
     assert_eq!(best_of(1000, 0.8 * tolerance).2.unwrap().level, LEAST_LEVEL);
 }
 
-/// A tenth of a side below two cubes the error falls so slowly that a hundredth of the change needs
+/// A tenth of a side below two cubes the error falls so slowly that a thousandth of the change needs
 /// more cells than possible. This is known after a few hundred.
 #[test]
 fn tolerance_out_of_reach_is_refused_early() {
     let tiles = [-0.5, 0.5].map(|x: f64| magnet([1.0; 3], [x, 0.0, 0.5], [0.0, 0.0, -1.2 * x.signum()], 2.0));
     let points: Vec<DVec3> = (-4..=4).map(|x| DVec3::new(0.25 * f64::from(x), 0.1, -0.1)).collect();
-    let Err(RefinementError::NotConverged { best: Some(best), needed_cells, .. }) =
-        refine_to(&tiles, &points, (2e-3, MAX_CELLS))
-    else {
-        panic!("refused");
+    let groups = [Group { vectors: points.len(), components: 3 }];
+    let tolerances = |_: &[f64], values: &[f64]| vec![2e-4; values.len()];
+    let refined = refine_within(&tiles, MAX_CELLS, &groups, tolerances, |cells| flux_densities(cells, &points), |_| {});
+    let Err(RefinementError::NotConverged { best: Some(best), needed_cells, .. }) = refined else {
+        panic!("{:?}", refined.map(|refined| refined.level));
     };
     assert!(best.level <= 8 && needed_cells > MAX_CELLS, "{} {needed_cells}", best.level);
 }
