@@ -202,8 +202,8 @@ fn refinement_without_enough_cells_says_so() {
     assert_eq!(best_of(1000, 0.8 * tolerance).2.unwrap().level, LEAST_LEVEL);
 }
 
-/// A tenth of a side below two cubes the error falls so slowly that a thousandth of the change needs
-/// more cells than possible. This is known after a few hundred.
+/// A tenth of a side below two cubes the error falls so slowly that a thousandth of the change
+/// needs more cells than possible. This is known after a few hundred.
 #[test]
 fn tolerance_out_of_reach_is_refused_early() {
     let tiles = [-0.5, 0.5].map(|x: f64| magnet([1.0; 3], [x, 0.0, 0.5], [0.0, 0.0, -1.2 * x.signum()], 2.0));
