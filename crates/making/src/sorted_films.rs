@@ -158,6 +158,8 @@ mod tests {
         assert_eq!(shared_out(14, &[16, 24, 16]), [4, 6, 4]);
         assert_eq!(shared_out(1, &[16, 24, 16]), [0, 1, 0]);
         assert_eq!(shared_out(5, &[1, 1, 1]), [2, 2, 1]);
+        // 2 2/9 and 1 7/9: the larger remainder is of the part with fewer places.
+        assert_eq!(shared_out(4, &[5, 4]), [2, 2]);
         assert_eq!(shared_out(0, &[3]), [0]);
         assert_eq!(shared_out(3, &[]), Vec::<usize>::new());
     }

@@ -53,3 +53,24 @@ pub(crate) fn starts(grid: &Grid, field_t: &[DVec3], reading_t: DVec3, thorough:
     }
     lowest.into_iter().map(|index| grid.point(index)).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Along x two points are lower than their neighbours, one of them beside points without a
+    /// field. A thorough search adds the others, nearest to the reading first; here, all 18.
+    #[test]
+    fn searches_start_where_the_field_is_nearest_among_neighbours() {
+        const ALONG_X: [f64; 6] = [3.0, 1.0, 3.0, 4.0, 0.5, f64::NAN];
+        let grid = Grid::new(DVec3::ZERO, DVec3::new(5.0, 1.0, 1.0), [6, 2, 2]).unwrap();
+        let field_t: Vec<DVec3> = grid.points().map(|point| DVec3 { x: ALONG_X[point.x as usize], ..point }).collect();
+        let lowest = [DVec3::new(4.0, 0.0, 0.0), DVec3::new(1.0, 0.0, 0.0)];
+        assert_eq!(starts(&grid, &field_t, DVec3::ZERO, false), lowest);
+        let all = starts(&grid, &field_t, DVec3::ZERO, true);
+        assert_eq!(all[..2], lowest);
+        assert_eq!(all.len(), 20);
+        let distance = |point: &DVec3| ALONG_X[point.x as usize].hypot(point.y).hypot(point.z);
+        assert!(all[2..].is_sorted_by(|a, b| distance(a) <= distance(b) + 1e-12), "{all:?}");
+    }
+}

@@ -302,19 +302,19 @@ mod tests {
         assert!(outliers.is_empty() && (line.stiffness / 5.7 - 1.0).abs() < 2e-3, "{line:?} {outliers:?}");
     }
 
-    /// One force contradicts the line of the others, and it is the only one whose displacement is
-    /// large: the others cover 0.425 of 1 mm, less than half.
+    /// Two forces contradict the line of the others, and only their displacements are large: the
+    /// others cover 0.425 of 1 mm, less than half.
     #[test]
-    fn line_without_its_largest_displacement_is_refused() {
+    fn line_without_its_largest_displacements_is_refused() {
         let mut displacements: Vec<f64> = (0..18).map(|n| 0.025 * f64::from(n)).collect();
         let mut forces: Vec<f64> = displacements.iter().map(|d| 2.0 * d).collect();
-        displacements.push(1.0);
-        forces.push(-5.0);
-        assert_eq!(Stiffness::fit(&displacements, &forces), Err(StiffnessError::NoLine { outliers: 1, forces: 19 }));
-        // Over 0.51 of it, the force is an outlier.
+        displacements.extend([1.0, 1.0]);
+        forces.extend([-5.0, 9.0]);
+        assert_eq!(Stiffness::fit(&displacements, &forces), Err(StiffnessError::NoLine { outliers: 2, forces: 20 }));
+        // Over 0.51 of it, the forces are outliers.
         (displacements[17], forces[17]) = (0.51, 1.02);
         let (line, outliers) = Stiffness::fit(&displacements, &forces).unwrap();
-        assert_eq!(outliers, [18]);
+        assert_eq!(outliers, [18, 19]);
         assert!((line.stiffness - 2.0).abs() < 1e-12, "{line:?}");
     }
 }

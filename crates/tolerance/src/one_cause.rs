@@ -47,3 +47,31 @@ pub(crate) fn each_alone(all: &FilmTolerance) -> Vec<(Cause, FilmTolerance)> {
     }
     found
 }
+
+#[cfg(test)]
+mod tests {
+    use magsplice_layout::ErrorGroup;
+    use magsplice_magnet::Axis;
+
+    use super::*;
+
+    /// Errors of tiles, of a group and of the sensor: each cause keeps its own, for all tiles, and
+    /// has no others.
+    #[test]
+    fn each_cause_has_its_errors_alone() {
+        let position = TileErrors { position: [0.1, 0.2, 0.0].map(Distribution::normal), ..TileErrors::default() };
+        let strength = TileErrors { strength: Distribution::normal(0.02), ..TileErrors::default() };
+        let both = TileErrors { strength: strength.strength.clone(), ..position.clone() };
+        let group = ErrorGroup { name: "row".to_owned(), tiles: vec![0], errors: position.clone() };
+        let mut all = FilmTolerance { groups: vec![group.clone()], ..FilmTolerance::of_tiles(&both, 2) };
+        all.common.sensor.noise_t = [1e-6; 3].map(Distribution::normal);
+        let noise = FilmTolerance { common: all.common.clone(), ..FilmTolerance::default() };
+        let expected = [
+            (Cause::from(TileError::Position(Axis::X)), FilmTolerance::of_tiles(&position, 2)),
+            (Cause::from(TileError::Strength), FilmTolerance::of_tiles(&strength, 2)),
+            (Cause::Group(0), FilmTolerance { groups: vec![group], ..FilmTolerance::default() }),
+            (Cause::SensorNoise, noise),
+        ];
+        assert_eq!(each_alone(&all), expected);
+    }
+}

@@ -212,3 +212,26 @@ fn half_plane(most: usize) -> impl Iterator<Item = (i32, i32)> {
 
 /// Largest number of tiles that a message lists.
 const NAMED_TILES: usize = 10;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The bound is the sum of the geometric series of n x^n beyond the highest harmonic n, with
+    /// x = e^(-kh). Stripes that fill the period have the mean |J| of one stripe.
+    #[test]
+    fn truncation_bound_is_the_sum_of_its_series() {
+        let stripe = |x: f64| {
+            Tile::new(DVec3::new(x, 0.0, 0.5), DVec3::new(5.0, 20.0, 1.0), 0.1 * x.signum() * DVec3::X).unwrap()
+        };
+        let ideal = IdealFilm::new(10.0, 1.0, 0.1).unwrap();
+        let pattern = EndlessPattern::new(&[stripe(-2.5), stripe(2.5)], &ideal).unwrap();
+        for (most, height_mm) in [(1, 4.0), (5, 1.0), (20, 0.5)] {
+            let x = (-std::f64::consts::TAU / 10.0 * height_mm).exp();
+            let series: f64 = (most as i32 + 1..2000).map(|n| f64::from(n) * x.powi(n)).sum();
+            let expected_t = 8.0 / 2.0_f64.sqrt() * 0.1 * series;
+            let bound_t = pattern.truncation_bound_t(most, height_mm);
+            assert!((bound_t / expected_t - 1.0).abs() < 1e-12, "{most} {height_mm}: {bound_t} {expected_t}");
+        }
+    }
+}

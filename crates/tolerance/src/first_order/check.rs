@@ -197,3 +197,17 @@ impl FirstOrder {
         AxisCheck { sampled_mm2: exact_mm2, mean_square_ratio, variance_ratio }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 1, 2, 3, 4 have the mean 5 / 2 and the variance 5 / 3, estimated from four numbers.
+    #[test]
+    fn moments_are_mean_and_deviation_of_a_sample() {
+        let mut moments = Moments::default();
+        (1..=4).for_each(|n| moments.add(f64::from(n)));
+        let (mean, deviation) = moments.mean_and_deviation(4.0);
+        assert!(mean == 2.5 && (deviation - (5.0_f64 / 3.0).sqrt()).abs() < 1e-15, "{mean} {deviation}");
+    }
+}

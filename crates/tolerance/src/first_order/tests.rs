@@ -258,3 +258,20 @@ fn sensitivities_that_do_not_fit_are_refused() {
     let wanted = (4 * 12 + 12 + 19 + 3) * 48 * 3_000_000;
     assert_eq!(found.err(), Some(crate::SampleError::TooLarge { bytes: Some(wanted) }));
 }
+
+/// With noise alone, a linear sample is the exact sample of its number: noise of 1e-7 T is 1e-4 of
+/// the field, and the square of this is left out.
+#[test]
+fn linear_samples_have_the_noise_of_exact_samples() {
+    let mut tolerance = FilmTolerance::default();
+    tolerance.common.sensor.noise_t = [1e-7, 2e-7, 1e-7].map(Distribution::normal);
+    let (film, ideal) = (RealFilm::new(&tiles(), &tolerance), ideal());
+    let model = FirstOrder::new(&film, &volume(), &ideal).expect("a model");
+    let sampler = Sampler::new(&film, &volume(), &ideal, 5).expect("a sampler");
+    let exact_mm =
+        displacement_errors_mm(sampler.points(), &sampler.readings_of_t(3).expect("readings"), &ideal).expect("errors");
+    let linear_mm = model.linear_sample_mm(5, 3);
+    let largest = |of: &[f64], from: &[f64]| of.iter().zip(from).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    let (left, noise) = (largest(&exact_mm, &linear_mm), largest(&linear_mm, &model.mean_mm));
+    assert!(left < 1e-2 * noise, "{left} of {noise}");
+}
