@@ -65,13 +65,14 @@ impl Draw {
         let count = self.magnitude(100.0, 100_000.0).min(MOST_PAIRS / tiles.len() as f64) as usize;
         let (points_name, points, grid) = self.points((lower, upper), count);
         let fraction = self.magnitude(1e-12, 1e-2);
-        let (kind, tolerance) = if self.chance(0.75) {
-            ("of |B|", Tolerance::relative(fraction))
+        let (within, tolerance) = if self.chance(0.75) {
+            (format!("{fraction:.1e} of |B|"), Tolerance::relative(fraction))
         } else {
-            ("tesla", Tolerance::absolute_t(fraction * 1e-2))
+            let error_t = fraction * 1e-2;
+            (format!("{error_t:.1e} T"), Tolerance::absolute_t(error_t))
         };
         RandomScene {
-            name: format!("{tiles_name}, {points_name}, within {fraction:.1e} {kind}"),
+            name: format!("{tiles_name}, {points_name}, within {within}"),
             tiles,
             points,
             grid,

@@ -55,8 +55,8 @@ impl WeakPoints {
         }
     }
 
-    /// The same comparison with a bound from the closed form at each point, for other points; `None`
-    /// if it had these bounds.
+    /// The same comparison with a bound from the closed form at each point, for other points;
+    /// `None` if it had these bounds.
     pub(super) fn by_closed_form(&self) -> Option<WeakPoints> {
         (!self.by_closed_form).then(|| WeakPoints { by_closed_form: true, points: Vec::new(), ..*self })
     }
