@@ -246,4 +246,17 @@ mod tests {
             assert_eq!(points, by_index);
         }
     }
+
+    #[test]
+    fn points_of_any_range_are_the_points_of_its_indices() {
+        for counts in [[2, 3, 4], [4, 1, 1], [1, 4, 1], [3, 1, 2], [1, 1, 5]] {
+            let grid = Grid::new(DVec3::new(0.1, -2.0, 3.0), DVec3::new(1.3, 2.0, 4.0), counts).unwrap();
+            for start in 0..=grid.len() {
+                for end in start..=grid.len() {
+                    let by_index: Vec<DVec3> = (start..end).map(|index| grid.point(index)).collect();
+                    assert_eq!(grid.points_in(start..end), by_index, "{counts:?} {start} {end}");
+                }
+            }
+        }
+    }
 }
