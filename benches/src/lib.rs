@@ -4,6 +4,8 @@
 mod growth;
 /// A scene in the types of magba.
 mod magba_scene;
+/// Scenes drawn from a seed.
+mod random_scenes;
 /// Scenes with the points of their fields.
 mod scenes;
 /// Speedup with threads, and the limit of the machine.
@@ -13,6 +15,7 @@ mod workloads;
 
 pub use growth::{Growth, growth};
 pub use magba_scene::Magba;
+pub use random_scenes::{RandomScene, random_scenes};
 pub use scenes::{PlacedScene, ScenePlace, SceneSizes, placed_scenes, random_cubes};
 pub use threads::{Speedup, speedups};
 pub use workloads::{

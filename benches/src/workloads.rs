@@ -119,7 +119,7 @@ pub fn square_film(side: usize) -> Vec<Tile> {
     let middle = 0.5 * (side as f64 - 1.0);
     let tile = |n: usize| {
         let (x, y) = ((n % side) as f64 - middle, (n / side) as f64 - middle);
-        let j = DVec3::new((0.6 * x).sin(), (0.6 * y).sin(), 0.0).normalize() * 0.12;
+        let j = DVec3::new((0.6 * x).sin(), (0.6 * y).sin(), 0.0).normalize_or(DVec3::X) * 0.12;
         Tile::new(DVec3::new(x, y, 0.5), DVec3::ONE, j).expect("a valid tile")
     };
     (0..side * side).map(tile).collect()

@@ -186,6 +186,17 @@ impl MethodRanges {
         }
     }
 
+    /// The method of a point.
+    pub fn method_at(&self, point: [f64; 3]) -> Method {
+        let (mut gap, mut distance) = (0.0, 0.0);
+        for (axis, coordinate) in point.into_iter().enumerate() {
+            let offset = ((coordinate - self.centre[axis]) * self.scale).abs();
+            gap += (offset - self.half_size[axis]).max(0.0).powi(2);
+            distance += offset * offset;
+        }
+        self.method(self.index(gap, distance, false))
+    }
+
     /// The index of the last method.
     pub fn last_index(&self) -> MethodIndex {
         FIRST_FAR + self.far.len() as MethodIndex - 1

@@ -19,6 +19,8 @@ mod cluster_gradient;
 mod cluster_kernel;
 /// Coordinates of a batch of points, by axis.
 mod coordinates;
+/// The time of the exact field, by counted operations.
+mod cost;
 /// Tiles prepared for the exact field.
 pub mod direct_sum;
 /// Edges on which the field is unbounded.
@@ -49,3 +51,7 @@ pub mod sum;
 pub mod tolerances;
 /// Compensated sums at a batch of points.
 mod totals;
+/// Points of a single tile whose field may be too weak for a tolerance.
+mod weak_points;
+/// The exact field where it keeps a tolerance.
+mod within_tolerance;

@@ -7,6 +7,7 @@ use fearless_simd::{Level, dispatch};
 use glam::DVec3;
 use magsplice_cuboid::far_magnitude::FarMagnitude;
 use magsplice_cuboid::magnitude_bound::{MagnitudeBound, from_centre, length_squared};
+use magsplice_cuboid::tolerances::EXACT_BOUND;
 use magsplice_magnet::tolerances::{ROTATED_SEAM_ROUNDINGS, UNIT_ROUNDOFF};
 use magsplice_magnet::{BoundingBox, Tile, Tolerance};
 use magsplice_simd::column::{Column, views};
@@ -23,7 +24,26 @@ pub struct MagnitudeBounds {
     order: Vec<u32>,
     /// Upper bound at every point, in tesla.
     largest_t: f64,
+    /// Bounds of all tiles from each of [`FAR_FROM`] on.
+    far: [FarBound; 2],
 }
+
+/// A bound of the sum of the magnitudes of tiles, at a distance from them.
+#[derive(Clone, Copy, Debug)]
+pub struct FarBound {
+    centre: [f64; 3],
+    /// Inverse radius of a sphere around the tiles.
+    scale: f64,
+    /// Bound at r radii from the centre, times r^3, in tesla.
+    strength_t: f64,
+}
+
+/// Distances from the centre, in radii, from which a [`FarBound`] of all tiles holds. The first
+/// bound is at most 8 times the magnitude of dipoles, the second 1.5 times.
+const FAR_FROM: [f64; 2] = [2.0, GROUP_BOUND_FROM];
+
+/// Largest square of such a distance whose cube times a square of a field does not overflow.
+const FARTHEST_COMPARED: f64 = 1e60;
 
 /// Neighbouring tiles with one bound far away.
 #[derive(Clone, Debug)]
@@ -53,13 +73,66 @@ impl MagnitudeBounds {
             GroupBound::new(members.iter().map(|&index| bound(index as usize)).collect())
         };
         let groups: Vec<GroupBound> = order.chunks(TILES_PER_GROUP_BOUND).map(group).collect();
-        let largest_t = groups.iter().flat_map(|group| &group.tiles).map(MagnitudeBound::largest_t).sum();
-        MagnitudeBounds { groups, order, largest_t }
+        let all = || groups.iter().flat_map(|group| &group.tiles);
+        let largest_t = all().map(MagnitudeBound::largest_t).sum();
+        let far = FAR_FROM.map(|from| FarBound::new(all(), from));
+        MagnitudeBounds { groups, order, largest_t, far }
+    }
+
+    /// The indices of points whose field may be too weak for a tolerance, judged by one bound for
+    /// all points and by their distances. Fields are in tesla over `per_tesla`.
+    pub fn open_points(
+        &self,
+        level: Level,
+        least: LeastField,
+        points: &[DVec3],
+        field: &[DVec3],
+        per_tesla: f64,
+    ) -> Vec<u32> {
+        dispatch!(level, simd => self.open_points_by(simd, least, points, field, per_tesla))
+    }
+
+    #[inline(always)]
+    fn open_points_by<S: Simd>(
+        &self,
+        simd: S,
+        least: LeastField,
+        points: &[DVec3],
+        field: &[DVec3],
+        per_tesla: f64,
+    ) -> Vec<u32> {
+        let FarBound { centre: [x, y, z], scale, .. } = self.far[0];
+        let in_tesla = per_tesla.recip().powi(2);
+        let near = least.squared_at(EXACT_BOUND * self.largest_t);
+        let errors_t = self.far.map(|far| EXACT_BOUND * far.strength_t);
+        // The error keeps the tolerance where |B|^2 r^6 is at least the first, or r^6 the second.
+        let by_field = errors_t.map(|error_t| (least.per_error * error_t).powi(2));
+        let by_distance = (errors_t[0] / least.allowed_t).powi(2);
+        let [from, farther] = FAR_FROM.map(|from| from * from);
+        let is_open = |point: &DVec3, b: &DVec3| {
+            let (dx, dy, dz) = ((point.x - x) * scale, (point.y - y) * scale, (point.z - z) * scale);
+            let square = dx * dx + dy * dy + dz * dz;
+            let (sixth, b_squared) = (square * square * square, b.length_squared() * in_tesla);
+            let is_far = (from..=FARTHEST_COMPARED).contains(&square);
+            let by_field = if square >= farther { by_field[1] } else { by_field[0] };
+            let by_far = (b_squared >= LEAST_COMPARED * LEAST_COMPARED) & (b_squared * sixth >= by_field);
+            // A field that is NaN was refused before.
+            (b_squared < near) & !(is_far & (by_far | (sixth >= by_distance)))
+        };
+        simd.vectorize(
+            #[inline(always)]
+            || indices_where(points.len(), |index| is_open(&points[index], &field[index])),
+        )
     }
 
     /// Upper bound at every point, in tesla.
     pub fn largest_t(&self) -> f64 {
         self.largest_t
+    }
+
+    /// Upper bound at points that are at least this far from all tiles, in tesla.
+    pub fn beyond_t(&self, distance: f64) -> f64 {
+        self.groups.iter().flat_map(|group| &group.tiles).map(|tile| tile.beyond_t(distance)).sum()
     }
 
     /// Whether single precision bounds each group of neighbouring tiles far away.
@@ -115,8 +188,11 @@ impl MagnitudeBounds {
     }
 }
 
+/// Smallest length of a field whose square is a normal number, in any unit.
+pub(crate) const LEAST_COMPARED: f64 = 1e-153;
+
 /// The smallest field at which an error keeps a tolerance.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct LeastField {
     /// The field over the error.
     per_error: f64,
@@ -142,23 +218,42 @@ impl LeastField {
     pub fn at_t(self, error_t: f64) -> f64 {
         if error_t <= self.allowed_t { 0.0 } else { self.per_error * error_t }
     }
+
+    /// Smallest |B|^2 in square tesla that allows an error. Squares that are normal numbers can be
+    /// compared.
+    #[inline(always)]
+    pub fn squared_at(self, error_t: f64) -> f64 {
+        let least_t = self.at_t(error_t);
+        if least_t > 0.0 { least_t.max(LEAST_COMPARED).powi(2) } else { 0.0 }
+    }
 }
 
-impl GroupBound {
-    fn new(tiles: Vec<MagnitudeBound>) -> GroupBound {
-        let least = tiles.iter().map(MagnitudeBound::centre).fold(DVec3::INFINITY, DVec3::min);
-        let most = tiles.iter().map(MagnitudeBound::centre).fold(DVec3::NEG_INFINITY, DVec3::max);
+impl FarBound {
+    /// The bound of tiles at least `from` radii from their centre.
+    fn new<'a>(tiles: impl Iterator<Item = &'a MagnitudeBound> + Clone, from: f64) -> FarBound {
+        let centres = || tiles.clone().map(MagnitudeBound::centre);
+        let (least, most) =
+            (centres().fold(DVec3::INFINITY, DVec3::min), centres().fold(DVec3::NEG_INFINITY, DVec3::max));
         let centre = 0.5 * least + 0.5 * most;
         let longest = (most - least).max_element().max(f64::MIN_POSITIVE);
         let reach =
             |tile: &MagnitudeBound| longest * ((tile.centre() - centre) / longest).length() + tile.half_diagonal();
-        let radius = tiles.iter().map(reach).fold(0.0, f64::max);
+        let radius = tiles.clone().map(reach).fold(0.0, f64::max);
         let strength = |tile: &MagnitudeBound| tile.dipole_t() * (tile.half_diagonal() / radius).powi(3);
         // |r - r'| >= r - radius for every point r' of the tiles.
-        let nearer = (1.0 - 1.0 / GROUP_BOUND_FROM).powi(-3);
-        let far_t = nearer * tiles.iter().map(strength).sum::<f64>();
-        let (centre, scale) = (centre.to_array(), 1.0 / radius);
-        let strength_t = |tile: &MagnitudeBound| tile.dipole_t() * (tile.half_diagonal() / radius).powi(3);
+        let nearer = (1.0 - 1.0 / from).powi(-3);
+        FarBound {
+            centre: centre.to_array(),
+            scale: 1.0 / radius,
+            strength_t: nearer * tiles.map(strength).sum::<f64>(),
+        }
+    }
+}
+
+impl GroupBound {
+    fn new(tiles: Vec<MagnitudeBound>) -> GroupBound {
+        let FarBound { centre, scale, strength_t: far_t } = FarBound::new(tiles.iter(), GROUP_BOUND_FROM);
+        let strength_t = |tile: &MagnitudeBound| tile.dipole_t() * (tile.half_diagonal() * scale).powi(3);
         let strength_t = tiles.iter().map(strength_t).fold(f64::MIN_POSITIVE, f64::max);
         let in_single_precision = |tile: &MagnitudeBound| tile.in_single_precision(centre, scale, strength_t);
         let in_single_precision = tiles.iter().map(in_single_precision).collect();
@@ -230,4 +325,16 @@ impl GroupBound {
         let far_sums = far_sum.widen();
         [Lanes(far_sums.0).scale_add(self.strength_t, sums[0]), Lanes(far_sums.1).scale_add(self.strength_t, sums[1])]
     }
+}
+
+/// The indices below `count` that are `wanted`, found without a branch for each.
+#[inline(always)]
+fn indices_where(count: usize, wanted: impl Fn(usize) -> bool) -> Vec<u32> {
+    let (mut indices, mut found) = (vec![0; count], 0);
+    for index in 0..count {
+        indices[found] = index as u32;
+        found += usize::from(wanted(index));
+    }
+    indices.truncate(found);
+    indices
 }

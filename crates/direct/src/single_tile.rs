@@ -9,7 +9,7 @@ use glam::DVec3;
 use magsplice_cuboid::block::LocalPoint;
 use magsplice_cuboid::closed_form::near_edge::{NEAR_FORMS, NearEdges};
 use magsplice_cuboid::evaluator::Evaluator;
-use magsplice_cuboid::method::{FIRST_FAR, MethodIndex, SCALAR};
+use magsplice_cuboid::method::{MethodIndex, SCALAR};
 use magsplice_cuboid::scalar::kernel::FieldKind;
 use magsplice_simd::column::{Column, room, views};
 use magsplice_simd::lanes::PAIR;
@@ -19,6 +19,7 @@ use super::coordinates::Coordinates;
 use super::edges::EdgesAtPoint;
 use super::near_field::near_field;
 use super::queues::{OWN_QUEUE, Queues};
+use super::weak_points::WeakPoints;
 use crate::prepare::frames::{Frame, Frames};
 use crate::tolerances::{FETCHED_AHEAD, STREAMED_POINTS};
 
@@ -54,16 +55,15 @@ struct Work<'a> {
 
 impl SingleTile {
     /// Writes the field of the only tile of `frame`; NaN where a point is out of range. Points on
-    /// edge lines go to `edges`. `magnitudes_t`, if given, receives an upper bound of the magnitude
-    /// for each point, infinity where the closed form is not used; it stays empty if the closed
-    /// form is used nowhere. Returns whether all values are known to be finite.
+    /// edge lines go to `edges`. `weak`, if given, receives the points whose field may be too weak
+    /// for a tolerance. Returns whether all values are known to be finite.
     pub(super) fn evaluate(
         &mut self,
         level: Level,
         (frames, frame): (&Frames, &Frame),
         kind: FieldKind,
         points: &[DVec3],
-        (field, magnitudes_t): (&mut [DVec3], Option<&mut Vec<f64>>),
+        (field, weak): (&mut [DVec3], Option<&mut WeakPoints>),
         edges: &mut BTreeMap<usize, EdgesAtPoint>,
     ) -> bool {
         let mut made = None;
@@ -72,7 +72,7 @@ impl SingleTile {
         self.queues.clear();
         let work = Work { frames, frame, kind, points, tile: &tile, near_edge: &near_edge };
         (self.finite, self.asked) = (true, 0);
-        dispatch!(level, simd => self.run(simd, work, field, magnitudes_t, edges));
+        dispatch!(level, simd => self.run(simd, work, field, weak, edges));
         self.finite
     }
 
@@ -82,7 +82,7 @@ impl SingleTile {
         simd: S,
         work: Work,
         field: &mut [DVec3],
-        mut magnitudes_t: Option<&mut Vec<f64>>,
+        mut weak: Option<&mut WeakPoints>,
         edges: &mut BTreeMap<usize, EdgesAtPoint>,
     ) {
         room(&mut self.fields, STREAMED_POINTS + PAIR);
@@ -96,7 +96,7 @@ impl SingleTile {
                 let end = (start + STREAMED_POINTS).min(work.points.len());
                 self.asked = self.asked.max(start + FETCHED_AHEAD);
                 self.sort(simd, work, start, &work.points[start..end], field);
-                self.divide_near(work, field, edges);
+                self.divide_near(work, field, weak.as_deref_mut(), edges);
             }
             for method in methods.clone() {
                 let mut count = self.queues.count(method) / PAIR * PAIR;
@@ -105,7 +105,7 @@ impl SingleTile {
                     count = self.queues.count(method);
                 }
                 if count > 0 {
-                    self.evaluate_queue(simd, work, method, count, field, magnitudes_t.as_deref_mut());
+                    self.evaluate_queue(simd, work, method, count, field, weak.as_deref_mut());
                 }
             }
         }
@@ -144,7 +144,13 @@ impl SingleTile {
     /// Moves points close to the tile and off the planes of its faces to a queue of their own. The
     /// scalar kernel evaluates the few others.
     #[inline(always)]
-    fn divide_near(&mut self, work: Work, field: &mut [DVec3], edges: &mut BTreeMap<usize, EdgesAtPoint>) {
+    fn divide_near(
+        &mut self,
+        work: Work,
+        field: &mut [DVec3],
+        mut weak: Option<&mut WeakPoints>,
+        edges: &mut BTreeMap<usize, EdgesAtPoint>,
+    ) {
         for waiting in 0..self.queues.count(SCALAR) {
             let (place, coordinates) = self.queues.at(SCALAR, waiting);
             let roundoff = work.frames.roundoff(work.frame, work.points[place]);
@@ -155,6 +161,9 @@ impl SingleTile {
                 let block = &work.frame.blocks[0];
                 self.finite = false;
                 field[place] = near_field(block, &at, work.frame, work.kind, || edges.entry(place).or_default());
+                if let Some(weak) = weak.as_deref_mut() {
+                    weak.check_one(place as u32, field[place]);
+                }
             }
         }
         self.queues.empty(SCALAR);
@@ -169,7 +178,7 @@ impl SingleTile {
         method: MethodIndex,
         count: usize,
         field: &mut [DVec3],
-        magnitudes_t: Option<&mut Vec<f64>>,
+        weak: Option<&mut WeakPoints>,
     ) {
         let points = self.queues.points(method).map(|axis| &axis[..count.next_multiple_of(PAIR)]);
         let [fx, fy, fz] = self.fields.each_mut().map(|values| &mut values[..points[0].len()]);
@@ -180,15 +189,11 @@ impl SingleTile {
             }
             None => {
                 let fields = [&mut *fx, &mut *fy, &mut *fz];
-                match magnitudes_t.filter(|_| method < FIRST_FAR) {
-                    None => work.tile.fields(simd, method, points, fields, &mut ahead),
-                    Some(magnitudes_t) => {
-                        let own = &mut self.magnitudes_t[..points[0].len()];
-                        work.tile.fields_and_magnitudes(simd, method, points, fields, own, &mut ahead);
-                        magnitudes_t.resize(work.points.len(), f64::INFINITY);
-                        let places = &self.queues.places(method)[..count];
-                        places.iter().zip(own).for_each(|(&place, own)| magnitudes_t[place as usize] = *own);
-                    }
+                if weak.as_deref().is_some_and(|weak| weak.needs_magnitudes(method)) {
+                    let own_t = &mut self.magnitudes_t[..points[0].len()];
+                    work.tile.fields_and_magnitudes(simd, method, points, fields, own_t, &mut ahead);
+                } else {
+                    work.tile.fields(simd, method, points, fields, &mut ahead);
                 }
             }
         }
@@ -197,6 +202,9 @@ impl SingleTile {
         // Computed in vectors, because it has no branch.
         let sums = fx.iter().zip(fy).zip(fz).map(|((x, y), z)| x.abs() + y.abs() + z.abs());
         self.finite &= sums.fold(true, |all, sum| all & (sum < f64::INFINITY));
+        if let Some(weak) = weak {
+            weak.check(method, &self.queues.places(method)[..count], [fx, fy, fz], &self.magnitudes_t);
+        }
         let places = self.queues.places(method)[..count].iter().zip(fx).zip(fy).zip(fz);
         match work.frame.to_scene.rotation() {
             None => places.for_each(|(((&place, x), y), z)| field[place as usize] = DVec3::new(*x, *y, *z)),

@@ -26,6 +26,7 @@ use super::runs::Runs;
 use super::single_tile::SingleTile;
 use super::sorted_points::{BEYOND_SPHERE, SortedPoints};
 use super::totals::Totals;
+use super::weak_points::WeakPoints;
 use crate::prepare::clusters::Cluster;
 use crate::prepare::corner_tables::CornerTables;
 use crate::prepare::frames::{Frame, Frames};
@@ -86,8 +87,7 @@ impl Sum {
     }
 
     /// Writes the sum over all tiles at `points` to `field`; NaN where a point is out of range.
-    /// `magnitudes_t` stays empty, or receives a bound of the magnitude of a single tile for each
-    /// point.
+    /// `weak` receives the points of a single tile whose field may be too weak for a tolerance.
     pub fn sum_all(
         &mut self,
         level: Level,
@@ -95,12 +95,12 @@ impl Sum {
         kind: FieldKind,
         points: &[DVec3],
         field: &mut [DVec3],
-        magnitudes_t: Option<&mut Vec<f64>>,
+        weak: Option<&mut WeakPoints>,
     ) {
         if let Some(frame) = frames.only_tile() {
             let (edges, frame) = (&mut self.edges, (frames, frame));
             edges.clear();
-            self.finite = self.single_tile.evaluate(level, frame, kind, points, (field, magnitudes_t), edges);
+            self.finite = self.single_tile.evaluate(level, frame, kind, points, (field, weak), edges);
             return;
         }
         self.start(level, points, 0.0);

@@ -96,11 +96,18 @@ pub(crate) const KEPT_SERIES: usize = 4096;
 /// first caches.
 pub(crate) const POINTS_PER_BATCH: [usize; 2] = [64, 512];
 
-/// Ratio of the smallest field that keeps a tolerance to the bound of the magnitude in a box, up to
-/// which the bound decides nearly all points of a single tile. The field is rarely below a
-/// hundredth of that bound. Above it the closed form computes a bound for each point, in some 10 %
-/// of its time.
-pub(crate) const DECIDED_BY_BOX: f64 = 0.01;
+/// Upper bound of the magnitude of a cuboid over |B|, where the series is used: from 7.3 half
+/// diagonals on. In units of V / 4 pi r^3, |B| is at least |J|, the smallest field of a dipole,
+/// less the terms of higher degree. They are at most 0.082 times the sum of |J_k| (docs/physics.md,
+/// Eq. P45), which is at most 3^1/2 |J|. So the ratio is at most (2 + 0.082) 3^1/2 / (1 - 0.082 *
+/// 3^1/2).
+pub(crate) const FAR_MAGNITUDE: f64 = 4.21;
+
+/// Smallest field that keeps a tolerance over the magnitude of a single tile, up to which a bound
+/// from the distances of a point decides nearly all points. The bound is at most 60 times the
+/// magnitude beside rods, and the field is rarely below a tenth of it. Above this ratio the closed
+/// form computes a bound for each point, in some third of its time.
+pub(crate) const DECIDED_BY_DISTANCE: f64 = 1e-3;
 
 /// Largest number of points of a scene of one tile that one thread evaluates at a time. It is
 /// larger than [`POINTS_PER_BATCH`] because the last vectors of each method are not full.
@@ -145,3 +152,7 @@ pub(crate) const GROUP_BOUND_FROM: f64 = 8.0;
 /// radii, at least 3. At the highest degree, from 3 radii on, the truncation error of the gradient
 /// is at most 6e-14 of the sum over tiles.
 pub(crate) const FURTHER_DEGREES: usize = 3;
+
+/// Number of points at which the time of the exact field is counted. The count takes less time than
+/// the exact field at these points.
+pub(crate) const COST_POINTS: usize = 4;

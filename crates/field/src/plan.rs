@@ -10,7 +10,7 @@ use crate::interpolation::on_grid::{GridFits, GridPart};
 use crate::tolerances::MAX_SORTED_POINTS;
 use crate::tree::interaction_list::InteractionList;
 use crate::tree::lazy_tree::LazyTree;
-use crate::tree::rounds::interaction_lists;
+use crate::tree::rounds::{TilesAndTree, interaction_lists};
 use crate::within::{fitted, tree_pays};
 use magsplice_direct::direct_sum::DirectSum;
 
@@ -154,11 +154,6 @@ fn exact(direct: &DirectSum, points: usize) -> PlannedPart {
 }
 
 fn chebyshev(direct: &DirectSum, part: GridPart, fit: &ChebyshevFit) -> PlannedPart {
-    let [x, y, z] = fit.counts.map(|count| count as f64);
-    let [nx, ny, nz] = part.counts().map(|count| count as f64);
-    // Three components, each with a sum over terms along x for each plane, along y for each line,
-    // and along z for each point.
-    let sums = 3.0 * (nx * x * y * z + nx * ny * y * z + nx * ny * nz * z);
     let model = Model::Chebyshev {
         lower: fit.region.lower,
         upper: fit.region.upper,
@@ -166,7 +161,8 @@ fn chebyshev(direct: &DirectSum, part: GridPart, fit: &ChebyshevFit) -> PlannedP
         error_t: fit.error_t,
         distance: distance(direct, &fit.region),
     };
-    let cost = exact_cost(direct, fit.exact_values) + sums / CLOSED_FORM_COST;
+    let sums = part.cost_of_sums(fit.counts.map(|count| count as f64));
+    let cost = exact_cost(direct, fit.exact_values) + sums;
     PlannedPart { model, points: part.len(), cost }
 }
 
@@ -180,7 +176,8 @@ fn parts_of_points(direct: &DirectSum, tree: &LazyTree, tolerance: Tolerance, po
 }
 
 fn parts_of_chunk(direct: &DirectSum, tree: &LazyTree, tolerance: Tolerance, points: &[DVec3]) -> Vec<PlannedPart> {
-    if let Some(fitted) = fitted(direct, tolerance, points) {
+    let time = direct.cost(points.len(), |number| points[number]);
+    if let Some(fitted) = fitted(direct, time, tolerance, points) {
         let region = BoundingBox::from_points(points);
         let model = Model::Cells {
             lower: region.lower,
@@ -194,13 +191,13 @@ fn parts_of_chunk(direct: &DirectSum, tree: &LazyTree, tolerance: Tolerance, poi
         return vec![PlannedPart { model, points: points.len(), cost }];
     }
     let usable: Vec<u32> = (0..points.len() as u32).filter(|&index| is_in_range(points[index as usize])).collect();
-    if !tree_pays(direct, tolerance, points, &usable) {
+    if !tree_pays(direct, tree, time, tolerance, points, &usable) {
         return if points.is_empty() { Vec::new() } else { vec![exact(direct, points.len())] };
     }
     let (by_tree, by_direct_sum): (Vec<_>, Vec<_>) =
-        interaction_lists(direct, tree.get(direct), tolerance, points, usable)
+        interaction_lists(TilesAndTree { direct, tree: tree.get(direct), exact_cost: time }, tolerance, points, usable)
             .into_iter()
-            .partition(|(_, list)| list.pays(direct.tiles().len()));
+            .partition(|(_, list)| list.pays(time));
     let mut parts = Vec::new();
     if !by_tree.is_empty() {
         parts.push(tree_part(&by_tree));

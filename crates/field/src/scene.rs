@@ -88,8 +88,8 @@ impl Scene {
     /// Single points, gradients and J are always exact.
     ///
     /// Where no faster model keeps the tolerance, the field is exact. A tolerance takes at most
-    /// little more time than the exact field, except tolerances below 1e-11 beside a few tiles and
-    /// refused points, which take up to four times as long.
+    /// little more time than the exact field, except tolerances below 1e-9 beside a few tiles, long
+    /// thin tiles, and refused points, which take up to four times as long.
     ///
     /// Exact values keep a tolerance if [`EXACT_BOUND`](crate::EXACT_BOUND) times an upper bound of
     /// the sum over tiles keeps it (docs/physics.md, section 2.10); other points are refused. Tiles
@@ -235,7 +235,7 @@ impl Scene {
         let mut errors = Vec::new();
         for (number, field) in field.chunks_mut(GRID_POINTS_AT_ONCE).enumerate() {
             let start = number * GRID_POINTS_AT_ONCE;
-            let points: Vec<DVec3> = (start..start + field.len()).map(|index| grid.point(index)).collect();
+            let points = grid.points_in(start..start + field.len());
             if let Err(PointErrors(found)) = self.direct.exact_field_with_progress(quantity, &points, field, progress) {
                 errors.extend(found.into_iter().map(|error| PointError { index: start + error.index, ..error }));
             }

@@ -48,26 +48,30 @@ pub(crate) const MAX_SORTED_POINTS: usize = 1 << 22;
 /// Smallest number of points in a list whose bounding box is interpolated.
 pub(crate) const MIN_LOOK_UP_POINTS: usize = 20_000;
 
-/// Smallest number of tiles for which the bounding box of a list is interpolated. Direct summation
-/// of fewer tiles is as fast as a look-up.
-pub(crate) const MIN_LOOK_UP_TILES: usize = 24;
+/// Smallest time of the exact field at a point for which the bounding box of a list is
+/// interpolated, in exact fields of one tile. A look-up takes a tenth, and the fit takes as long as
+/// thousands.
+pub(crate) const MIN_LOOK_UP_COST: f64 = 24.0;
 
 /// Smallest number of points per node for interpolation of the bounding box of a list. Each node
 /// takes one exact field.
 pub(crate) const LOOK_UP_POINTS_PER_NODE: usize = 4;
 
-/// Smallest number of tiles for which the tree is used. Direct summation of fewer tiles is faster
-/// than sorting the points.
-pub(crate) const MIN_TREE_TILES: usize = 64;
+/// Smallest time of the exact field at a point for which the tree is used, in exact fields of one
+/// tile. Direct summation in less time is faster than sorting the points.
+pub(crate) const MIN_TREE_COST: f64 = 64.0;
 
 /// Smallest number of points for which the tree is used. Direct summation at fewer points is faster
 /// than building the tree.
 pub(crate) const MIN_TREE_POINTS: usize = 256;
 
-/// Number of points of a list at which the rounding of the tree's sums is compared with the
-/// tolerance before the points are sorted. They take at most a sixteenth of the time of the exact
-/// field.
-pub(crate) const ROUNDING_POINTS: usize = 16;
+/// Number of points of a list at which the tree is compared with direct summation before the points
+/// are sorted. They take at most a sixtieth of the time of the exact field.
+pub(crate) const TREE_SAMPLES: usize = 4;
+
+/// Largest number of points among which the neighbours of such a point are counted. The distances
+/// take less time than the exact field at one point of a list.
+pub(crate) const NEIGHBOURHOOD_SAMPLES: usize = 512;
 
 /// Largest cost of an interaction list, as a fraction of the cost of direct summation, for which
 /// the tree is used. It is below 1 because costs are counted instead of measured, and the tree's
@@ -154,25 +158,39 @@ pub(crate) const PARTIAL_SUMS: usize = 8;
 /// nodes.
 pub(crate) const MIN_FIT_POINTS: usize = 1000;
 
-/// Smallest number of pairs of tiles and grid points for which a Chebyshev fit is tried. The proof
-/// of its error takes the time of thousands of pairs, even if the fit is then rejected.
-pub(crate) const MIN_FIT_PAIRS: usize = 24_000;
+/// Largest time of a fit with its sums at all points, as a fraction of the time of the exact field.
+/// It is below 1 because operations are counted instead of measured.
+pub(crate) const LARGEST_FIT_COST: f64 = 0.8;
+
+/// Largest time of fits of parts of a grid that fail, as a fraction of the time of the exact field
+/// at all of its points. A larger fraction finds more fits beside tiles.
+pub(crate) const LARGEST_TRIAL_COST: f64 = 0.1;
+
+/// Time for a charge or dipole in the bound of the truncation error of a fit along one axis, in
+/// exact fields of one tile: its distance, and some five powers.
+pub(crate) const SOURCE_COST: f64 = 20.0;
+
+/// Number of exact fields before the bound of the truncation error: for the smallest |B| in the
+/// box, [`RANGE_POINTS`] along each axis, and for the rounding at its corners.
+pub(crate) const FIELD_RANGE_POINTS: f64 = (RANGE_POINTS * RANGE_POINTS * RANGE_POINTS + 8) as f64;
+
+/// Time to begin the sums of a fit in a plane of constant x and on a line along z, in exact fields
+/// of one tile. It exceeds the time of the sums in grids with few points along z.
+pub(crate) const PLANE_COST: f64 = 100.0;
+/// See [`PLANE_COST`].
+pub(crate) const LINE_COST: f64 = 10.0;
 
 /// Smallest relative tolerance for which a fit is tried. A fit of 8 nodes along each axis amplifies
 /// the bound of the exact field 12 times, and the magnitudes of the fields of several tiles add up
 /// to a multiple of |B|.
 pub(crate) const MIN_FIT_FRACTION: f64 = 50.0 * EXACT_BOUND;
 
-/// Smallest number of grid points per node of a fit. Each node takes one exact field.
-pub(crate) const GRID_POINTS_PER_NODE: usize = 2;
-
 /// Time of the transform from values at nodes to coefficients, for each node, in exact fields of
-/// one tile over [`GRID_POINTS_PER_NODE`]. For few tiles it exceeds the time of the exact field.
-pub(crate) const NODE_TRANSFORM_TILES: usize = 6;
+/// one tile.
+pub(crate) const NODE_TRANSFORM_COST: f64 = 6.0;
 
-/// Smallest number of points per node, estimated from the distances of tiles, for a fit of a list
-/// or of few tiles ([`MIN_LOOK_UP_TILES`]). The estimate has fewer nodes than the fit needs. A box
-/// that needs still more is sampled in vain, which matters most where the exact field is fast.
+/// Smallest number of points per node, estimated from the distances of tiles, for a fit of a list.
+/// The estimate has fewer nodes than the fit needs. A box that needs still more is sampled in vain.
 pub(crate) const POINTS_PER_EXPECTED_NODE: usize = 12;
 
 /// Largest number of nodes along an axis. A box that needs more is divided.

@@ -17,11 +17,12 @@ use crate::interpolation::fitted_field::FittedField;
 use crate::interpolation::on_grid::GridFits;
 use crate::interpolation::outlook::is_promising;
 use crate::tolerances::{
-    LOOK_UP_POINTS_PER_NODE, MAX_SORTED_POINTS, MIN_LOOK_UP_POINTS, MIN_LOOK_UP_TILES, MIN_TREE_POINTS, MIN_TREE_TILES,
-    POINTS_PER_EXPECTED_NODE, ROUNDING_POINTS,
+    LARGEST_LIST_COST, LOOK_UP_POINTS_PER_NODE, MAX_SORTED_POINTS, MIN_FIT_POINTS, MIN_LOOK_UP_COST,
+    MIN_LOOK_UP_POINTS, MIN_TREE_COST, MIN_TREE_POINTS, NEIGHBOURHOOD_SAMPLES, POINTS_PER_EXPECTED_NODE,
+    POINTS_PER_LIST, TREE_SAMPLES,
 };
 use crate::tree::lazy_tree::LazyTree;
-use crate::tree::rounds::sum_over_tree;
+use crate::tree::rounds::{TilesAndTree, expected_list_cost, sum_over_tree, tolerance_t};
 use magsplice_direct::batches::PointProgress;
 use magsplice_direct::direct_sum::DirectSum;
 
@@ -59,7 +60,11 @@ fn at_some_points(
     field: &mut [DVec3],
     progress: PointProgress,
 ) -> Vec<PointError> {
-    let usable: Vec<u32> = match fitted(direct, tolerance, points) {
+    let exact_cost = direct.cost(points.len(), |number| points[number]);
+    if points.len() < MIN_TREE_POINTS || exact_cost < MIN_LOOK_UP_COST.min(MIN_TREE_COST) {
+        return direct.field_within_into(tolerance, quantity, points, field, progress);
+    }
+    let usable: Vec<u32> = match fitted(direct, exact_cost, tolerance, points) {
         Some(fitted) => {
             // All points are in the box. Errors are points where |B| is too small.
             let weak = fitted.flux_density_into(points, field).err().map_or(Vec::new(), |errors| errors.0);
@@ -70,17 +75,14 @@ fn at_some_points(
             progress(points.len());
             return exact_at(direct, tolerance, quantity, points, &weak, field, &|_| progress(0));
         }
-        None if direct.tiles().len() < MIN_TREE_TILES => {
-            return direct.field_within_into(tolerance, quantity, points, field, progress);
-        }
         None => (0..points.len() as u32).filter(|&index| is_in_range(points[index as usize])).collect(),
     };
-    if !tree_pays(direct, tolerance, points, &usable) {
+    if !tree_pays(direct, tree, exact_cost, tolerance, points, &usable) {
         return direct.field_within_into(tolerance, quantity, points, field, progress);
     }
     let outside: Vec<usize> = (0..points.len()).filter(|&index| !is_in_range(points[index])).collect();
     progress(outside.len());
-    let tiles = (direct, tree.get(direct));
+    let tiles = TilesAndTree { direct, tree: tree.get(direct), exact_cost };
     let (mut errors, mut exact) = sum_over_tree(tiles, tolerance, quantity, points, usable, field, progress);
     exact.extend(outside);
     // All points have begun.
@@ -89,14 +91,36 @@ fn at_some_points(
     errors
 }
 
-/// Whether the tree can be faster than direct summation, judged by the numbers of tiles and points
-/// and by the rounding of its sums at some of the `usable` points.
-pub(crate) fn tree_pays(direct: &DirectSum, tolerance: Tolerance, points: &[DVec3], usable: &[u32]) -> bool {
-    if direct.tiles().len() < MIN_TREE_TILES || usable.len() < MIN_TREE_POINTS {
+/// Whether the tree is expected to be faster than direct summation, which costs `exact_cost` at a
+/// point. It is judged at some of the `usable` points by the interaction lists of their
+/// neighbourhoods and by the rounding of the tree's sums.
+pub(crate) fn tree_pays(
+    direct: &DirectSum,
+    tree: &LazyTree,
+    exact_cost: f64,
+    tolerance: Tolerance,
+    points: &[DVec3],
+    usable: &[u32],
+) -> bool {
+    if usable.len() < MIN_TREE_POINTS || exact_cost < MIN_TREE_COST {
         return false;
     }
-    let step = usable.len() / ROUNDING_POINTS;
-    let some: Vec<DVec3> = usable.iter().step_by(step).map(|&index| points[index as usize]).collect();
+    let some = |count: usize| -> Vec<DVec3> {
+        let chosen = usable.iter().step_by(usable.len().div_ceil(count));
+        chosen.map(|&index| points[index as usize]).collect()
+    };
+    let (some, others) = (some(TREE_SAMPLES), some(NEIGHBOURHOOD_SAMPLES));
+    let around: Vec<BoundingBox> = some.iter().map(|at| neighbourhood(*at, &others, usable.len())).collect();
+    let tiles = TilesAndTree { direct, tree: tree.get(direct), exact_cost };
+    let pays = |tolerances_t: &[f64]| {
+        let lists = some.iter().zip(&around).zip(tolerances_t);
+        let cost = lists.map(|((at, around), own_t)| expected_list_cost(tiles, *at, around, *own_t)).sum::<f64>();
+        cost <= LARGEST_LIST_COST * exact_cost * some.len() as f64
+    };
+    // The largest field is below J nearly everywhere. This test needs no field.
+    if !pays(&vec![tolerance_t(tolerance, tiles.tree.largest_j_t()); some.len()]) {
+        return false;
+    }
     let mut field = vec![DVec3::ZERO; some.len()];
     // The field of refused points is NaN, which keeps no tolerance.
     let _ = direct.exact_field_into(Quantity::FluxDensity, &some, &mut field);
@@ -104,7 +128,21 @@ pub(crate) fn tree_pays(direct: &DirectSum, tolerance: Tolerance, points: &[DVec
     // The other half of the tolerance is for truncation.
     let rounding = 2.0 * STRETCHED_BOUND;
     let kept = field.iter().zip(magnitudes_t).filter(|(b, t)| tolerance.is_kept(**b, rounding * t)).count();
-    2 * kept > some.len()
+    let own_t = |b: &DVec3| if b.is_nan() { 0.0 } else { tolerance_t(tolerance, b.length()) };
+    let own_t: Vec<f64> = field.iter().map(own_t).collect();
+    2 * kept > some.len() && pays(&own_t)
+}
+
+/// About the box of the points that share an interaction list with `point`. `others` are evenly
+/// chosen from all `count` points.
+fn neighbourhood(point: DVec3, others: &[DVec3], count: usize) -> BoundingBox {
+    let mut distances: Vec<f64> = others.iter().map(|other| (*other - point).abs().max_element()).collect();
+    // A box of neighbours has its centre anywhere near one of them.
+    let share = POINTS_PER_LIST as f64 / count as f64 * others.len() as f64;
+    let number = (share as usize).clamp(1, others.len() - 1);
+    let distance = *distances.select_nth_unstable_by(number, f64::total_cmp).1;
+    let half = distance * (share / number as f64).cbrt().min(1.0);
+    BoundingBox { lower: point - half, upper: point + half }
 }
 
 /// Writes the exact field at the points with these indices, where it keeps the tolerance; returns
@@ -127,15 +165,21 @@ fn exact_at(
     errors.into_iter().map(|error| PointError { index: indices[error.index], ..error }).collect()
 }
 
-/// The interpolation of the bounding box of points. `None` if the tree is faster, because there are
-/// too few points or tiles, or if tiles are too near.
-pub(crate) fn fitted(direct: &DirectSum, tolerance: Tolerance, points: &[DVec3]) -> Option<FittedField> {
-    let pays = points.len() >= MIN_LOOK_UP_POINTS && direct.tiles().len() >= MIN_LOOK_UP_TILES;
+/// The interpolation of the bounding box of points. `None` if the exact field, which costs
+/// `exact_cost` at a point, or the tree is faster, or if tiles are too near.
+pub(crate) fn fitted(
+    direct: &DirectSum,
+    exact_cost: f64,
+    tolerance: Tolerance,
+    points: &[DVec3],
+) -> Option<FittedField> {
+    let pays = points.len() >= MIN_LOOK_UP_POINTS && exact_cost >= MIN_LOOK_UP_COST;
     if !pays || !points.iter().all(|point| is_in_range(*point)) {
         return None;
     }
     let region = BoundingBox::from_points(points);
-    if !is_promising(direct, &region, tolerance, points.len() / POINTS_PER_EXPECTED_NODE) {
+    let max_nodes = (points.len() / POINTS_PER_EXPECTED_NODE) as f64;
+    if !is_promising(direct, &region, tolerance, |outlook| outlook.nodes.element_product() <= max_nodes) {
         return None;
     }
     let BoundingBox { lower, upper } = region;
@@ -153,11 +197,11 @@ pub(crate) fn on_grid(
     field: &mut [DVec3],
     progress: PointProgress,
 ) -> Vec<PointError> {
-    let fits = GridFits::new(direct, tolerance, grid, progress);
-    if fits.fitted.is_empty() {
-        let points: Vec<DVec3> = grid.points().collect();
+    let fits = (grid.len() >= MIN_FIT_POINTS).then(|| GridFits::new(direct, tolerance, grid, progress));
+    let Some(fits) = fits.filter(|fits| !fits.fitted.is_empty()) else {
+        let points = grid.points_in(0..grid.len());
         return at_points(direct, tree, tolerance, quantity, &points, field, progress);
-    }
+    };
     let rest = fits.evaluate(direct.level(), tolerance, grid, field);
     progress(grid.len() - rest.len());
     if quantity == Quantity::FieldStrength {

@@ -1,6 +1,7 @@
 //! Regular grids of points.
 
 use std::fmt;
+use std::ops::Range;
 
 use glam::DVec3;
 
@@ -159,19 +160,40 @@ impl Grid {
 
     /// All points, z fastest.
     pub fn points(&self) -> impl ExactSizeIterator<Item = DVec3> + '_ {
-        let heights: Vec<f64> = (0..self.counts[2]).map(|k| self.coordinate(2, k)).collect();
-        let (mut column, mut height) = (0, 0);
-        let mut point = self.lower;
-        // Without a division for each point.
-        (0..self.len()).map(move |_| {
-            if height == 0 {
-                point = self.point(column * heights.len());
-                column += 1;
+        self.points_in(0..self.len()).into_iter()
+    }
+
+    /// The points with these indices, z fastest.
+    ///
+    /// # Panics
+    /// If an index is not below the number of points.
+    pub fn points_in(&self, indices: Range<usize>) -> Vec<DVec3> {
+        let mut points = Vec::with_capacity(indices.len());
+        if indices.is_empty() {
+            return points;
+        }
+        assert!(indices.end <= self.len(), "indices of points of the grid");
+        let [_, ny, nz] = self.counts;
+        let ([i, j, k], last) = (self.indices(indices.start), self.indices(indices.end - 1));
+        // Coordinates are computed once, because each takes a division.
+        let along = |axis: usize, first: usize, is_one_row: bool| {
+            let range = if is_one_row { first..last[axis] + 1 } else { 0..self.counts[axis] };
+            (range.start, range.map(|index| self.coordinate(axis, index)).collect::<Vec<f64>>())
+        };
+        let (first_y, y) = along(1, j, i == last[0]);
+        let (first_z, z) = along(2, k, [i, j] == [last[0], last[1]]);
+        let (mut row, mut from) = ([i, j], k);
+        while points.len() < indices.len() {
+            let x = self.coordinate(0, row[0]);
+            while row[1] < ny && points.len() < indices.len() {
+                let y = y[row[1] - first_y];
+                let count = (nz - from).min(indices.len() - points.len());
+                points.extend(z[from - first_z..from - first_z + count].iter().map(|&z| DVec3::new(x, y, z)));
+                (row[1], from) = (row[1] + 1, 0);
             }
-            point.z = heights[height];
-            height = if height + 1 == heights.len() { 0 } else { height + 1 };
-            point
-        })
+            row = [row[0] + 1, 0];
+        }
+        points
     }
 }
 
@@ -222,6 +244,19 @@ mod tests {
             let points: Vec<DVec3> = grid.points().collect();
             let by_index: Vec<DVec3> = (0..grid.len()).map(|index| grid.point(index)).collect();
             assert_eq!(points, by_index);
+        }
+    }
+
+    #[test]
+    fn points_of_any_range_are_the_points_of_its_indices() {
+        for counts in [[2, 3, 4], [4, 1, 1], [1, 4, 1], [3, 1, 2], [1, 1, 5]] {
+            let grid = Grid::new(DVec3::new(0.1, -2.0, 3.0), DVec3::new(1.3, 2.0, 4.0), counts).unwrap();
+            for start in 0..=grid.len() {
+                for end in start..=grid.len() {
+                    let by_index: Vec<DVec3> = (start..end).map(|index| grid.point(index)).collect();
+                    assert_eq!(grid.points_in(start..end), by_index, "{counts:?} {start} {end}");
+                }
+            }
         }
     }
 }

@@ -144,6 +144,11 @@ impl Frames {
         frame.axes.map(|axis| self.axes[axis].roundoff(point))
     }
 
+    /// The coordinates of `point` in `frame`.
+    pub fn coordinates(&self, frame: &Frame, point: DVec3) -> [f64; 3] {
+        frame.axes.map(|axis| self.axes[axis].coordinate(point))
+    }
+
     /// Each frame with the coordinates of `point` in it.
     pub fn locals(&self, point: DVec3) -> impl Iterator<Item = (&Frame, LocalPoint)> {
         self.frames.iter().map(move |frame| {

@@ -2,6 +2,8 @@
 
 use std::f64::consts::PI;
 
+use super::weighted_sums::padded;
+
 /// The `count` zeros of T_count, in decreasing order.
 pub(super) fn nodes(count: usize) -> Vec<f64> {
     (0..count).map(|i| (PI * (i as f64 + 0.5) / count as f64).cos()).collect()
@@ -29,6 +31,26 @@ pub(super) fn polynomials(x: f64, values: &mut [f64]) {
     }
 }
 
+/// T_0, T_1, ... below `count` at all places, one padded row for each.
+pub(super) fn rows_of_polynomials(places: &[f64], count: usize) -> Vec<f64> {
+    let stride = padded(places.len());
+    let mut rows = vec![0.0; count * stride];
+    for degree in 0..count {
+        let (before, row) = rows.split_at_mut(degree * stride);
+        match degree {
+            0 => row[..places.len()].fill(1.0),
+            1 => row[..places.len()].copy_from_slice(places),
+            _ => {
+                let (last, value) = before[(degree - 2) * stride..].split_at(stride);
+                for (((entry, x), value), last) in row.iter_mut().zip(places).zip(value).zip(last) {
+                    *entry = 2.0 * x * value - last;
+                }
+            }
+        }
+    }
+    rows
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -47,5 +69,17 @@ mod tests {
         polynomials(0.3, &mut t);
         let found: f64 = coefficients.iter().zip(t).map(|(c, t)| c * t).sum();
         assert!((found - function(0.3)).abs() < 2e-15);
+    }
+
+    #[test]
+    fn rows_equal_the_polynomials_at_each_place() {
+        let places = [-1.0, -0.3, 0.0, 0.7, 1.0];
+        let rows = rows_of_polynomials(&places, 7);
+        for (index, place) in places.into_iter().enumerate() {
+            let mut values = [0.0; 7];
+            polynomials(place, &mut values);
+            let column: Vec<f64> = rows.chunks_exact(padded(places.len())).map(|row| row[index]).collect();
+            assert_eq!(column, values);
+        }
     }
 }

@@ -76,14 +76,14 @@ impl Degrees {
 }
 
 impl ChebyshevFit {
-    /// A fit within the tolerance, from at most `max_nodes` exact fields.
+    /// A fit within the tolerance, if `pays` holds for its numbers of nodes and of exact fields.
     ///
     /// [`Sources`] determines a number of nodes that is proved to be sufficient.
     pub(crate) fn new(
         direct: &DirectSum,
         region: BoundingBox,
         tolerance: Tolerance,
-        max_nodes: usize,
+        pays: impl Fn([f64; 3], f64) -> bool,
     ) -> Result<ChebyshevFit, FitFailure> {
         let decays = slowest_decays(direct, &region).ok_or(FitFailure::TooNear)?;
         let mirrors = Mirrors::new(direct, &region);
@@ -95,7 +95,7 @@ impl ChebyshevFit {
         // The smallest numbers of nodes that the decays allow, before any evaluation.
         let least = decays.map(|decay| if decay > 0.0 { (relative.min(0.5).ln() / decay.ln()).max(1.0) } else { 1.0 });
         let halved = mirrors.signs.iter().flatten().count() as i32;
-        if least.iter().product::<f64>() > max_nodes as f64 * 2_f64.powi(halved) {
+        if !pays(least, least.iter().product::<f64>() / 2_f64.powi(halved)) {
             return Err(FitFailure::TooNear);
         }
         let allowed_error_t = allowed_error_t(direct, &region, &mirrors, tolerance).ok_or(FitFailure::TooNear)?;
@@ -115,8 +115,8 @@ impl ChebyshevFit {
             return Err(FitFailure::TooExact);
         }
         let samples = NodeSamples::new(region, nodes.counts, mirrors);
-        let exact_values = samples.own_counts().iter().product();
-        if exact_values > max_nodes {
+        let exact_values: usize = samples.own_counts().iter().product();
+        if !pays(nodes.counts.map(|count| count as f64), exact_values as f64) {
             return Err(FitFailure::TooNear);
         }
         let values_t = samples.evaluate(direct).ok_or(FitFailure::TooNear)?;

@@ -132,10 +132,11 @@ impl FittedField {
         let region = BoundingBox { lower, upper };
         // Half of the tolerance is for the fit of the whole box, half for the cells.
         let half = tolerance.scaled(0.5).map_err(|_| FittedFieldError::TooExact)?;
-        let fit = ChebyshevFit::new(direct, region, half, max_nodes).map_err(|why| match why {
-            FitFailure::TooNear => FittedFieldError::TooNear,
-            FitFailure::TooExact => FittedFieldError::TooExact,
-        })?;
+        let fit =
+            ChebyshevFit::new(direct, region, half, |_, exact| exact <= max_nodes as f64).map_err(|why| match why {
+                FitFailure::TooNear => FittedFieldError::TooNear,
+                FitFailure::TooExact => FittedFieldError::TooExact,
+            })?;
         let size = upper - lower;
         let mut cells = [1_usize; 3];
         for _ in 0..MAX_CELL_ROUNDS {

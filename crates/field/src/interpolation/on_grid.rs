@@ -3,17 +3,18 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
 use glam::DVec3;
+use magsplice_cuboid::tolerances::CLOSED_FORM_COST;
 use magsplice_magnet::{BoundingBox, Grid, Tolerance};
 use magsplice_simd::lanes::{Lanes, Number};
 use rayon::prelude::*;
 
-use super::chebyshev::polynomials;
-use super::fit::{ChebyshevFit, FitFailure};
-use super::outlook::is_promising;
+use super::chebyshev::{polynomials, rows_of_polynomials};
+use super::fit::{ChebyshevFit, Degrees, FitFailure};
+use super::outlook::{Outlook, is_promising};
 use super::weighted_sums::{PADDING, padded, weighted_sum};
 use crate::tolerances::{
-    GRID_POINTS_PER_NODE, MIN_FIT_PAIRS, MIN_FIT_POINTS, MIN_LOOK_UP_TILES, NODE_TRANSFORM_TILES,
-    POINTS_PER_EXPECTED_NODE,
+    FIELD_RANGE_POINTS, LARGEST_FIT_COST, LARGEST_TRIAL_COST, LINE_COST, MAX_FIT_NODES, MIN_FIT_POINTS,
+    NODE_TRANSFORM_COST, PLANE_COST, SOURCE_COST,
 };
 use magsplice_direct::batches::PointProgress;
 use magsplice_direct::direct_sum::DirectSum;
@@ -29,14 +30,17 @@ pub(crate) struct GridPart {
 pub(crate) struct GridFits {
     pub(crate) fitted: Vec<(GridPart, ChebyshevFit)>,
     pub(crate) rest: Vec<GridPart>,
+    /// Time left for fits that may fail, in exact fields of one tile.
+    left: f64,
 }
 
 impl GridFits {
     /// Divides a grid. Parts too near to tiles for a fit are halved, down to a smallest number of
     /// points. `progress` receives 0 when a part begins.
     pub(crate) fn new(direct: &DirectSum, tolerance: Tolerance, grid: &Grid, progress: PointProgress) -> GridFits {
-        let mut fits = GridFits { fitted: Vec::new(), rest: Vec::new() };
         let whole = GridPart { start: [0; 3], end: grid.counts() };
+        let left = LARGEST_TRIAL_COST * whole.exact_cost(direct, grid);
+        let mut fits = GridFits { fitted: Vec::new(), rest: Vec::new(), left };
         divide(direct, tolerance, grid, whole, &mut fits, progress);
         fits
     }
@@ -61,21 +65,31 @@ fn divide(
     progress: PointProgress,
 ) {
     progress(0);
-    let points = part.len();
-    let tiles = direct.tiles().len();
-    let few_tiles = tiles < MIN_LOOK_UP_TILES;
-    let min_points = MIN_FIT_POINTS.max(MIN_FIT_PAIRS / tiles.max(1));
-    let points_per_node = GRID_POINTS_PER_NODE + NODE_TRANSFORM_TILES / tiles.max(1);
-    let expected = points / if few_tiles { POINTS_PER_EXPECTED_NODE } else { GRID_POINTS_PER_NODE };
-    let fit = if points < min_points || !is_promising(direct, &part.region(grid), tolerance, expected) {
+    let (exact_cost, points) = (part.exact_cost(direct, grid), part.len() as f64);
+    // A node takes an exact field and the transform of its values.
+    let pays = |nodes: [f64; 3], exact_values: f64| {
+        let node_cost = exact_values * (exact_cost / points + NODE_TRANSFORM_COST);
+        node_cost + part.cost_of_sums(nodes) <= LARGEST_FIT_COST * exact_cost
+    };
+    let mut trial_cost = 0.0;
+    let is_affordable = |outlook: &Outlook| {
+        trial_cost = SOURCE_COST * outlook.sources + FIELD_RANGE_POINTS * exact_cost / points;
+        trial_cost <= fits.left && pays(outlook.nodes.to_array(), outlook.nodes.element_product())
+    };
+    let region = part.region(grid);
+    let fit = if part.len() < MIN_FIT_POINTS || !is_promising(direct, &region, tolerance, is_affordable) {
         Err(FitFailure::TooNear)
     } else {
-        ChebyshevFit::new(direct, part.region(grid), tolerance, points / points_per_node)
+        fits.left -= trial_cost;
+        ChebyshevFit::new(direct, region, tolerance, pays)
     };
     match fit {
-        Ok(fit) => fits.fitted.push((part, fit)),
+        Ok(fit) => {
+            fits.left += trial_cost;
+            fits.fitted.push((part, fit));
+        }
         // Near a single tile, attempts to fit parts of a grid take more time than fits save.
-        Err(FitFailure::TooNear) if points >= 2 * min_points && tiles > 1 => {
+        Err(FitFailure::TooNear) if part.len() >= 2 * MIN_FIT_POINTS && direct.tiles().len() > 1 => {
             let axis = part.longest_axis(grid);
             let middle = usize::midpoint(part.start[axis], part.end[axis]);
             let (mut low, mut high) = (part, part);
@@ -97,6 +111,27 @@ impl GridPart {
     /// Numbers of points along x, y, z.
     pub(crate) fn counts(&self) -> [usize; 3] {
         [0, 1, 2].map(|axis: usize| self.end[axis] - self.start[axis])
+    }
+
+    /// Time of the exact field at all points, in exact fields of one tile.
+    fn exact_cost(self, direct: &DirectSum, grid: &Grid) -> f64 {
+        let [_, ny, nz] = self.counts();
+        let point = |n: usize| {
+            let [i, j, k] = [n / (ny * nz), n / nz % ny, n % nz];
+            let index = |axis: usize, own: usize| grid.coordinate(axis, self.start[axis] + own);
+            DVec3::new(index(0, i), index(1, j), index(2, k))
+        };
+        self.len() as f64 * direct.cost(self.len(), point)
+    }
+
+    /// Time of the sums over polynomials with these numbers of nodes, in exact fields of one tile:
+    /// three components, along x for each plane, along y for each line, and along z for each point.
+    pub(crate) fn cost_of_sums(self, [x, y, z]: [f64; 3]) -> f64 {
+        let [planes, lines, points] = self.counts().map(|count| count as f64);
+        let (lines, row) = (planes * lines, (z / PADDING as f64).ceil() * PADDING as f64);
+        let points = lines * (points / PADDING as f64).ceil() * PADDING as f64;
+        let sums = 3.0 * (planes * x * y * row + lines * y * row + points * z);
+        sums / CLOSED_FORM_COST + PLANE_COST * planes + LINE_COST * lines
     }
 
     fn region(&self, grid: &Grid) -> BoundingBox {
@@ -124,9 +159,8 @@ impl GridPart {
 
 /// The polynomials of a fit at the grid's coordinates along each axis.
 struct PolynomialTables {
-    /// For each component and each coordinate along x and along y, the values of its polynomials.
-    along_x: [Vec<Vec<f64>>; 3],
-    along_y: [Vec<Vec<f64>>; 3],
+    /// For each coordinate along x and along y, the values of all polynomials.
+    along: [Vec<f64>; 2],
     /// For each polynomial along z, the values at all coordinates.
     along_z: Vec<f64>,
 }
@@ -134,29 +168,43 @@ struct PolynomialTables {
 impl PolynomialTables {
     fn new(fit: &ChebyshevFit, grid: &Grid, part: GridPart) -> PolynomialTables {
         let (centre, half) = (fit.region.centre(), fit.region.half_size());
-        let values = |axis: usize, index: usize| {
-            let mut values = vec![0.0; fit.counts[axis]];
+        let place = |axis: usize, index: usize| {
             let offset = grid.coordinate(axis, index) - centre[axis];
-            polynomials(if half[axis] > 0.0 { offset / half[axis] } else { 0.0 }, &mut values);
-            values
+            if half[axis] > 0.0 { offset / half[axis] } else { 0.0 }
         };
-        let along = |axis: usize| (part.start[axis]..part.end[axis]).map(|i| values(axis, i)).collect::<Vec<_>>();
-        let of_components = |axis: usize| {
-            let all = along(axis);
-            fit.degrees.map(|degrees| {
-                let own = |values: &Vec<f64>| degrees[axis].below(values.len()).map(|degree| values[degree]).collect();
-                all.iter().map(own).collect()
-            })
+        let places = |axis: usize| (part.start[axis]..part.end[axis]).map(move |index| place(axis, index));
+        let along = |axis: usize| {
+            let mut table = vec![0.0; part.counts()[axis] * fit.counts[axis]];
+            table.chunks_exact_mut(fit.counts[axis]).zip(places(axis)).for_each(|(row, at)| polynomials(at, row));
+            table
         };
-        let stride = padded(part.counts()[2]);
-        let mut along_z = vec![0.0; fit.counts[2] * stride];
-        for (k, values) in along(2).into_iter().enumerate() {
-            for (c, value) in values.into_iter().enumerate() {
-                along_z[c * stride + k] = value;
-            }
-        }
-        PolynomialTables { along_x: of_components(0), along_y: of_components(1), along_z }
+        let heights: Vec<f64> = places(2).collect();
+        PolynomialTables { along: [along(0), along(1)], along_z: rows_of_polynomials(&heights, fit.counts[2]) }
     }
+
+    /// Calls `work` with the values of the polynomials of these degrees at a coordinate along an
+    /// axis.
+    #[inline(always)]
+    fn with_weights(&self, axis: usize, count: usize, index: usize, degrees: Degrees, work: impl FnOnce(&[f64])) {
+        let values = &self.along[axis][index * count..(index + 1) * count];
+        if degrees == Degrees::All {
+            return work(values);
+        }
+        let mut chosen = [0.0; MAX_FIT_NODES];
+        let mut number = 0;
+        for degree in degrees.below(count) {
+            chosen[number] = values[degree];
+            number += 1;
+        }
+        work(&chosen[..number]);
+    }
+}
+
+/// Coefficients of the three components in a plane of constant x, and on a line of constant x and
+/// y.
+struct PartialSums {
+    in_plane: [Vec<f64>; 3],
+    on_line: [Vec<f64>; 3],
 }
 
 /// Writes the interpolated field at the points of a part. Points where the field does not keep the
@@ -173,26 +221,28 @@ fn evaluate(
     let tables = PolynomialTables::new(fit, grid, part);
     let [_, ny, nz] = grid.counts();
     let planes = field.par_chunks_mut(ny * nz).enumerate().skip(part.start[0]).take(part.counts()[0]);
-    let missed: Vec<usize> = planes
-        .flat_map_iter(|(i, field)| {
-            let plane = i - part.start[0];
-            let weakest_t = dispatch!(level, simd => evaluate_plane(simd, fit, &tables, plane, part, nz, field));
-            let mut missed = Vec::new();
-            if !tolerance.is_kept(DVec3::X * weakest_t, fit.error_t) {
-                let in_plane =
-                    GridPart { start: [i, part.start[1], part.start[2]], end: [i + 1, part.end[1], part.end[2]] };
-                let kept = |index: &usize| tolerance.is_kept(field[index - i * ny * nz], fit.error_t);
-                missed.extend(in_plane.indices(grid).filter(|index| !kept(index)));
-            }
-            missed
-        })
-        .collect();
-    rest.extend(missed);
+    let sums = || PartialSums {
+        in_plane: [0, 1, 2].map(|component| vec![0.0; fit.slab_len(component)]),
+        on_line: [0, 1, 2].map(|_| vec![0.0; padded(fit.counts[2])]),
+    };
+    let missed = planes.map_init(sums, |sums, (i, field)| {
+        let plane = i - part.start[0];
+        let weakest_t = dispatch!(level, simd => evaluate_plane(simd, fit, &tables, plane, part, nz, sums, field));
+        if tolerance.is_kept(DVec3::X * weakest_t, fit.error_t) {
+            return Vec::new();
+        }
+        let in_plane = GridPart { start: [i, part.start[1], part.start[2]], end: [i + 1, part.end[1], part.end[2]] };
+        let kept = |index: &usize| tolerance.is_kept(field[index - i * ny * nz], fit.error_t);
+        in_plane.indices(grid).filter(|index| !kept(index)).collect()
+    });
+    let missed: Vec<Vec<usize>> = missed.collect();
+    rest.extend(missed.into_iter().flatten());
 }
 
 /// Writes the field in one plane of constant x, summing over the polynomials along x first, then
 /// along y, then along z. Returns the smallest |B| in the plane.
 #[inline(always)]
+#[expect(clippy::too_many_arguments, reason = "a closure would not be inlined")]
 fn evaluate_plane<S: Simd>(
     simd: S,
     fit: &ChebyshevFit,
@@ -200,21 +250,34 @@ fn evaluate_plane<S: Simd>(
     plane: usize,
     part: GridPart,
     stride: usize,
+    PartialSums { in_plane, on_line }: &mut PartialSums,
     field: &mut [DVec3],
 ) -> f64 {
-    let mut in_plane = [0, 1, 2].map(|component| vec![0.0; fit.slab_len(component)]);
     for (component, sum) in in_plane.iter_mut().enumerate() {
-        weighted_sum(simd, &tables.along_x[component][plane], &fit.coefficients[component], sum);
+        tables.with_weights(
+            0,
+            fit.counts[0],
+            plane,
+            fit.degrees[component][0],
+            #[inline(always)]
+            |weights| weighted_sum(simd, weights, &fit.coefficients[component], sum),
+        );
     }
-    let mut on_line = [0, 1, 2].map(|_| vec![0.0; padded(fit.counts[2])]);
     let mut least_square = f64::INFINITY;
     for j in 0..part.counts()[1] {
-        for (component, (sum, coefficients)) in on_line.iter_mut().zip(&in_plane).enumerate() {
-            weighted_sum(simd, &tables.along_y[component][j], coefficients, sum);
+        for (component, (sum, coefficients)) in on_line.iter_mut().zip(&*in_plane).enumerate() {
+            tables.with_weights(
+                1,
+                fit.counts[1],
+                j,
+                fit.degrees[component][1],
+                #[inline(always)]
+                |weights| weighted_sum(simd, weights, coefficients, sum),
+            );
         }
         let start = (part.start[1] + j) * stride;
         let line = &mut field[start + part.start[2]..start + part.end[2]];
-        least_square = least_square.min(evaluate_line(simd, &on_line, fit.counts[2], &tables.along_z, line));
+        least_square = least_square.min(evaluate_line(simd, on_line, fit.counts[2], &tables.along_z, line));
     }
     least_square.sqrt()
 }

@@ -8,26 +8,42 @@ use magsplice_cuboid::field_bound::tile_field_bound_t;
 use magsplice_cuboid::tolerances::EXACT_BOUND;
 use magsplice_magnet::{BoundingBox, Quantity, Tolerance};
 
+use super::truncation_bound::expected_sources;
 use crate::tolerances::{MIN_FIELD_SHARE, MIN_FIT_FRACTION};
 use magsplice_direct::direct_sum::DirectSum;
 
-/// Whether the distances of tiles suggest at most `max_nodes` nodes for a fit of the field in a
-/// box. Sampling a box whose fit then fails takes time; distances take nearly none.
+/// What the distances of tiles suggest for a fit of the field in a box, before any field is
+/// computed.
+pub(crate) struct Outlook {
+    /// Numbers of nodes along x, y, z from the asymptotic decay of the coefficients (Eq. P26),
+    /// below the numbers that a fit needs.
+    pub(crate) nodes: DVec3,
+    /// Number of sources in the bound of the truncation error.
+    pub(crate) sources: f64,
+}
+
+/// Whether a fit of the field in a box may succeed and `pays`. Sampling a box whose fit then fails
+/// takes time; distances take nearly none.
 ///
-/// The numbers of nodes suggested by the asymptotic decay of the coefficients (Eq. P26) are below
-/// the numbers that a fit needs. The fit amplifies the rounding of the exact values, which is
-/// compared with the tolerance at the corners of the box.
-pub(crate) fn is_promising(direct: &DirectSum, region: &BoundingBox, tolerance: Tolerance, max_nodes: usize) -> bool {
+/// The fit amplifies the rounding of the exact values, which is compared with the tolerance at the
+/// corners of the box.
+pub(crate) fn is_promising(
+    direct: &DirectSum,
+    region: &BoundingBox,
+    tolerance: Tolerance,
+    pays: impl FnOnce(&Outlook) -> bool,
+) -> bool {
     if matches!(tolerance, Tolerance::Relative { fraction, .. } if fraction < MIN_FIT_FRACTION) {
         return false;
     }
     let half = region.half_size();
-    let (mut slowest, mut magnitude_t, mut rounding_t) = ([0.0_f64; 3], 0.0, 0.0);
+    let (mut slowest, mut magnitude_t, mut rounding_t, mut sources) = ([0.0_f64; 3], 0.0, 0.0, 0.0);
     for ((tile, around), weight) in direct.tiles().iter().zip(direct.boxes()).zip(direct.error_weights()) {
         let gap = region.gap(around);
         let own_t = tile_field_bound_t(tile, gap.length());
         magnitude_t += own_t;
         rounding_t += EXACT_BOUND * weight * own_t;
+        sources += expected_sources(tile, gap.length(), &half);
         for axis in (0..3).filter(|&axis| half[axis] > 0.0) {
             let gap = gap / half[axis];
             let aside = DVec2::new(gap[(axis + 1) % 3], gap[(axis + 2) % 3]).length();
@@ -42,7 +58,7 @@ pub(crate) fn is_promising(direct: &DirectSum, region: &BoundingBox, tolerance: 
         if half[axis] > 0.0 { (relative.min(0.5).ln() / slowest[axis].ln()).ceil().max(1.0) } else { 1.0 }
     };
     let expected = DVec3::new(nodes(0), nodes(1), nodes(2));
-    if expected.element_product() > max_nodes as f64 {
+    if !pays(&Outlook { nodes: expected, sources }) {
         return false;
     }
     let amplified = expected.to_array().map(|count| 2.0 / PI * count.ln() + 1.0).iter().product::<f64>();

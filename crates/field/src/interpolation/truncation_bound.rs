@@ -54,14 +54,10 @@ impl Sources {
         let mut sources = Sources { by_axis: [vec![], vec![], vec![]] };
         let half_length = region.half_size().max_element();
         for (tile, around) in direct.tiles().iter().zip(direct.boxes()) {
-            let (size, j_t, distance) = (tile.size(), tile.polarization_t(), region.gap(around).length());
-            // Both describe the same field. Dipoles have the lower bound for small tiles.
-            let dipole_t = j_t.length() * size.element_product() / (4.0 * PI);
-            let charge_t = j_t.abs().dot(size.element_product() / size) / (2.0 * PI);
-            if DIPOLE_DEGREE * dipole_t < charge_t * distance.max(half_length) {
-                sources.add(Kind::Dipoles, dipole_t, around, region);
-            } else {
-                sources.add_charges(tile, distance, region);
+            let distance = region.gap(around).length();
+            match dipole_t(tile, distance.max(half_length)) {
+                Some(dipole_t) => sources.add(Kind::Dipoles, dipole_t, around, region),
+                None => sources.add_charges(tile, distance, region),
             }
         }
         sources
@@ -171,8 +167,7 @@ impl Sources {
         let rotation = tile.rotation();
         for normal in (0..3).filter(|&axis| j_t[axis] != 0.0) {
             let [along, across] = [(normal + 1) % 3, (normal + 2) % 3];
-            let counts =
-                [along, across].map(|axis| (PATCHES_PER_DISTANCE * size[axis] / distance).ceil().clamp(1.0, PATCHES));
+            let counts = [along, across].map(|axis| patches(size[axis], distance));
             let mut half = DVec3::ZERO;
             (half[along], half[across]) = (0.5 * size[along] / counts[0], 0.5 * size[across] / counts[1]);
             let half_around = if rotation == DQuat::IDENTITY {
@@ -215,6 +210,31 @@ impl Sources {
             self.by_axis[axis].push(Source { kind, amplitude_t, decay, sine });
         }
     }
+}
+
+/// The moment of a tile over 4 pi, in tesla, if its dipoles have a lower bound than its charges.
+/// Both describe the same field.
+fn dipole_t(tile: &Tile, distance: f64) -> Option<f64> {
+    let (size, j_t) = (tile.size(), tile.polarization_t());
+    let dipole_t = j_t.length() * size.element_product() / (4.0 * PI);
+    let charge_t = j_t.abs().dot(size.element_product() / size) / (2.0 * PI);
+    (DIPOLE_DEGREE * dipole_t < charge_t * distance).then_some(dipole_t)
+}
+
+/// Number of patches along a side of a face at a distance.
+fn patches(side: f64, distance: f64) -> f64 {
+    (PATCHES_PER_DISTANCE * side / distance).ceil().clamp(1.0, PATCHES)
+}
+
+/// Number of sources of a tile at a distance from a box with the half sides `half`, over all axes.
+pub(super) fn expected_sources(tile: &Tile, distance: f64, half: &DVec3) -> f64 {
+    let axes = half.to_array().into_iter().filter(|half| *half > 0.0).count() as f64;
+    if dipole_t(tile, distance.max(half.max_element())).is_some() {
+        return axes;
+    }
+    let counts = tile.size().to_array().map(|side| patches(side, distance));
+    let faces = (0..3).filter(|&normal| tile.polarization_t()[normal] != 0.0);
+    axes * faces.map(|normal| 2.0 * counts[(normal + 1) % 3] * counts[(normal + 2) % 3]).sum::<f64>()
 }
 
 /// Bound of the ratio of a dipole's coefficients to the coefficients of the derivative of a

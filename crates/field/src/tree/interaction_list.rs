@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use magsplice_cuboid::tolerances::CLOSED_FORM_COST;
+use magsplice_direct::direct_sum::DirectSum;
 use magsplice_direct::tolerances::STRETCHED_BOUND;
 use magsplice_magnet::BoundingBox;
 
@@ -41,12 +42,25 @@ pub(crate) struct InteractionList {
     pub(crate) magnitude_t: f64,
     /// Numbers of tiles by interaction.
     pub(crate) tiles: TileCounts,
+    /// Cost of the items summed directly, in multiply-adds.
+    pub(crate) direct_cost: f64,
 }
 
 impl InteractionList {
     /// The interaction list of `count` points in a box, with the largest nodes whose truncation
     /// error is at most `allowed_t` each. For many points far nodes are translated.
     pub(crate) fn new(tree: &Tree, points: &BoundingBox, count: usize, allowed_t: f64) -> InteractionList {
+        InteractionList::below(tree, points, count, allowed_t, f64::INFINITY).expect("no cost is too large")
+    }
+
+    /// [`InteractionList::new`]; `None` as soon as it costs more than `most`.
+    pub(crate) fn below(
+        tree: &Tree,
+        points: &BoundingBox,
+        count: usize,
+        allowed_t: f64,
+        most: f64,
+    ) -> Option<InteractionList> {
         let (centre, radius) = (points.centre(), points.half_size().length());
         let mut list = InteractionList { centre, radius, ..InteractionList::default() };
         let mut waiting: Vec<usize> = (0..tree.nodes.len().min(1)).collect();
@@ -64,6 +78,10 @@ impl InteractionList {
                     list.truncation_error_t += beyond.map_or(0.0, |(_, expanded)| expanded.truncation_error_t);
                     list.direct.push(DirectItem { item, beyond });
                     list.tiles.direct += tree.tiles_of_item(item);
+                    list.direct_cost += tree.items[item].cost();
+                    if list.direct_cost > most * CLOSED_FORM_COST {
+                        return None;
+                    }
                     list.magnitude_t +=
                         tree.leaf_field_bound_t(index, points, ROUNDING_SHARE / STRETCHED_BOUND * allowed_t);
                 }
@@ -72,7 +90,7 @@ impl InteractionList {
         // Nodes translated at the same time use the highest of their degrees.
         list.translated.sort_by_key(|of| (of.local_degree, of.degree, of.node));
         list.direct.sort_by_key(|direct| (tree.items[direct.item].frame, direct.item));
-        list
+        (list.cost() <= most).then_some(list)
     }
 
     /// The interaction of a node with the points.
@@ -119,13 +137,26 @@ impl InteractionList {
 
     /// Cost at a point, in exact fields of one tile.
     pub(crate) fn cost(&self) -> f64 {
-        let terms: f64 = self.degrees().map(|p| NODE_COST * ((p + 2) * (p + 3)) as f64).sum();
-        self.tiles.direct as f64 + terms / CLOSED_FORM_COST
+        self.direct_cost / CLOSED_FORM_COST + self.cost_of_expansions()
     }
 
-    /// Whether the list costs clearly less than direct summation of all `tiles`.
-    pub(crate) fn pays(&self, tiles: usize) -> bool {
-        self.cost() <= LARGEST_LIST_COST * tiles as f64
+    /// [`InteractionList::cost`] with the methods of direct summation at a point.
+    pub(crate) fn cost_at(&self, (direct, tree): (&DirectSum, &Tree), point: DVec3) -> f64 {
+        let item_cost = |of: &DirectItem| {
+            let item = &tree.items[of.item];
+            let frame = &direct.frames().frames()[item.frame];
+            direct.cost_of_cluster(frame, item.cluster(frame), point)
+        };
+        self.direct.iter().map(item_cost).sum::<f64>() + self.cost_of_expansions()
+    }
+
+    fn cost_of_expansions(&self) -> f64 {
+        self.degrees().map(|p| NODE_COST * ((p + 2) * (p + 3)) as f64).sum::<f64>() / CLOSED_FORM_COST
+    }
+
+    /// Whether the list costs clearly less than direct summation, which costs `exact_cost`.
+    pub(crate) fn pays(&self, exact_cost: f64) -> bool {
+        self.cost() <= LARGEST_LIST_COST * exact_cost
     }
 
     /// The degrees of the expansions.

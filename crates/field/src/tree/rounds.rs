@@ -18,10 +18,19 @@ use crate::tolerances::{
 use magsplice_direct::batches::{PointProgress, neighbours_together};
 use magsplice_direct::direct_sum::DirectSum;
 
+/// The tiles of a scene, with the mean time of their exact field at a point in exact fields of one
+/// tile.
+#[derive(Clone, Copy)]
+pub(crate) struct TilesAndTree<'a> {
+    pub(crate) direct: &'a DirectSum,
+    pub(crate) tree: &'a Tree,
+    pub(crate) exact_cost: f64,
+}
+
 /// Writes B or H at the `usable` points to `field`. Returns the points without a field, and the
 /// indices of points where the tolerance is missed.
 pub(crate) fn sum_over_tree(
-    (direct, tree): (&DirectSum, &Tree),
+    tiles: TilesAndTree,
     tolerance: Tolerance,
     quantity: Quantity,
     points: &[DVec3],
@@ -37,7 +46,7 @@ pub(crate) fn sum_over_tree(
     let open: Vec<OpenPoints> = batches
         .map(|(number, (points, values))| {
             progress(points.len());
-            let mut batch = PointBatch::new(direct, tree, tolerance, quantity, points, values);
+            let mut batch = PointBatch::new(tiles, tolerance, quantity, points, values);
             batch.evaluate_all();
             batch.open.shifted(number * size)
         })
@@ -56,8 +65,7 @@ pub(crate) fn sum_over_tree(
 /// The first interaction list of each part of the points, with the number of points.
 /// [`sum_over_tree`] estimates the allowed truncation error of each part anew.
 pub(crate) fn interaction_lists(
-    direct: &DirectSum,
-    tree: &Tree,
+    tiles: TilesAndTree,
     tolerance: Tolerance,
     points: &[DVec3],
     usable: Vec<u32>,
@@ -66,10 +74,32 @@ pub(crate) fn interaction_lists(
     let order = batch_order(points, usable, size);
     let lists = order.par_chunks(POINTS_PER_LIST).map(|order| {
         let part: Vec<DVec3> = order.iter().map(|&index| points[index as usize]).collect();
-        let batch = PointBatch::new(direct, tree, tolerance, Quantity::FluxDensity, &part, &mut []);
+        let batch = PointBatch::new(tiles, tolerance, Quantity::FluxDensity, &part, &mut []);
         (part.len(), batch.list(&part, batch.first_budget(&part)))
     });
     lists.collect()
+}
+
+/// The expected cost of the interaction list of the points around one of them, in exact fields of
+/// one tile, at most the cost of direct summation. The points are in a box, and the tolerance there
+/// is `tolerance_t`.
+pub(crate) fn expected_list_cost(
+    TilesAndTree { direct, tree, exact_cost }: TilesAndTree,
+    point: DVec3,
+    around: &BoundingBox,
+    tolerance_t: f64,
+) -> f64 {
+    let allowed_t = SAFETY_FACTOR * tolerance_t / FIRST_NODE_COUNT;
+    let list = InteractionList::below(tree, around, POINTS_PER_LIST, allowed_t, exact_cost);
+    list.map_or(exact_cost, |list| list.cost_at((direct, tree), point).min(exact_cost))
+}
+
+/// A tolerance in tesla, where |B| is `b_t`.
+pub(crate) fn tolerance_t(tolerance: Tolerance, b_t: f64) -> f64 {
+    match tolerance {
+        Tolerance::Relative { fraction, .. } => fraction * b_t,
+        Tolerance::AbsoluteT { error_t, .. } => error_t,
+    }
 }
 
 /// Number of points in a batch: small enough for [`TREE_BATCHES`] batches, and otherwise as large
@@ -87,8 +117,7 @@ fn batch_order(points: &[DVec3], usable: Vec<u32>, size: usize) -> Vec<u32> {
 
 /// Neighbouring points that one thread evaluates.
 struct PointBatch<'a> {
-    direct: &'a DirectSum,
-    tree: &'a Tree,
+    tiles: TilesAndTree<'a>,
     tolerance: Tolerance,
     quantity: Quantity,
     points: &'a [DVec3],
@@ -161,14 +190,13 @@ impl ListResult {
 
 impl<'a> PointBatch<'a> {
     fn new(
-        direct: &'a DirectSum,
-        tree: &'a Tree,
+        tiles: TilesAndTree<'a>,
         tolerance: Tolerance,
         quantity: Quantity,
         points: &'a [DVec3],
         values: &'a mut [DVec3],
     ) -> PointBatch<'a> {
-        PointBatch { direct, tree, tolerance, quantity, points, values, open: OpenPoints::default() }
+        PointBatch { tiles, tolerance, quantity, points, values, open: OpenPoints::default() }
     }
 
     fn evaluate_all(&mut self) {
@@ -177,7 +205,7 @@ impl<'a> PointBatch<'a> {
         for part in all.chunks(POINTS_PER_LIST) {
             let own = budget.unwrap_or_else(|| self.first_budget(&self.points[..part.len()]));
             let list = self.list(&self.points_of(part), own);
-            if !list.pays(self.direct.tiles().len()) {
+            if !list.pays(self.tiles.exact_cost) {
                 // The lists of neighbouring points will not keep it either.
                 self.open.missed.extend(part[0]..self.points.len());
                 break;
@@ -195,7 +223,7 @@ impl<'a> PointBatch<'a> {
             let last = std::mem::take(&mut next);
             for part in last.missed.chunks(POINTS_PER_LIST) {
                 let lengths = part.iter().map(|&index| self.values[index].length() * self.in_tesla());
-                let tolerance_t = self.tolerance_t(lengths.fold(f64::INFINITY, f64::min));
+                let tolerance_t = tolerance_t(self.tolerance, lengths.fold(f64::INFINITY, f64::min));
                 // In any case smaller than before.
                 let total_t = SAFETY_FACTOR * tolerance_t.min(last.truncation_error_t);
                 let first = ErrorBudget { total_t, nodes: FIRST_NODE_COUNT };
@@ -203,7 +231,7 @@ impl<'a> PointBatch<'a> {
                 let nodes = expected_nodes(&self.list(&self.points_of(part), first));
                 let budget = ErrorBudget { total_t, nodes };
                 let list = self.list(&self.points_of(part), budget);
-                if list.pays(self.direct.tiles().len()) {
+                if list.pays(self.tiles.exact_cost) {
                     self.evaluate_part(part, budget, list, &mut next);
                 } else {
                     self.open.missed.extend(part);
@@ -240,7 +268,7 @@ impl<'a> PointBatch<'a> {
             if self.tolerance.is_kept(b, error_t + most_rounding_t) {
                 continue;
             }
-            let magnitudes_t = own_magnitudes_t.get_or_insert_with(|| self.direct.magnitudes_t(&points));
+            let magnitudes_t = own_magnitudes_t.get_or_insert_with(|| self.tiles.direct.magnitudes_t(&points));
             let rounding_t = most_rounding_t.min(STRETCHED_BOUND * magnitudes_t[number]);
             largest_rounding_t = largest_rounding_t.max(rounding_t);
             if !self.tolerance.is_kept(b, error_t + rounding_t) {
@@ -260,20 +288,12 @@ impl<'a> PointBatch<'a> {
         let weak_t = *lengths_t.select_nth_unstable_by(weak, f64::total_cmp).1;
         // A truncation error below rounding has no benefit, for example where the field vanishes by
         // symmetry.
-        let total_t = (SAFETY_FACTOR * self.tolerance_t(weak_t)).max(largest_rounding_t);
+        let total_t = (SAFETY_FACTOR * tolerance_t(self.tolerance, weak_t)).max(largest_rounding_t);
         ErrorBudget { total_t, nodes }
     }
 
     fn points_of(&self, indices: &[usize]) -> Vec<DVec3> {
         indices.iter().map(|&index| self.points[index]).collect()
-    }
-
-    /// The tolerance in tesla, where |B| is `b_t`.
-    fn tolerance_t(&self, b_t: f64) -> f64 {
-        match self.tolerance {
-            Tolerance::Relative { fraction, .. } => fraction * b_t,
-            Tolerance::AbsoluteT { error_t, .. } => error_t,
-        }
     }
 
     /// The budget of the first points of a batch.
@@ -292,7 +312,7 @@ impl<'a> PointBatch<'a> {
     fn estimated_budget(&self, points: &[DVec3], fraction: f64) -> ErrorBudget {
         let step = points.len().div_ceil(ESTIMATE_POINTS);
         let some: Vec<DVec3> = points.iter().copied().step_by(step).collect();
-        let total_t = FIRST_ERROR_OVER_J * self.tree.largest_j_t();
+        let total_t = FIRST_ERROR_OVER_J * self.tiles.tree.largest_j_t();
         let mut budget = ErrorBudget { total_t, nodes: FIRST_NODE_COUNT };
         for _ in 0..MAX_REFINEMENT_ROUNDS {
             let result = self.evaluate(&some, self.list(&some, budget));
@@ -317,7 +337,7 @@ impl<'a> PointBatch<'a> {
         };
         let ListResult { list, values, truncation_error_t, failed } = &mut result;
         field_of_list(
-            (self.direct, self.tree),
+            (self.tiles.direct, self.tiles.tree),
             list,
             self.quantity,
             points,
@@ -332,7 +352,7 @@ impl<'a> PointBatch<'a> {
 
     fn list(&self, points: &[DVec3], budget: ErrorBudget) -> InteractionList {
         let around = BoundingBox::from_points(points);
-        InteractionList::new(self.tree, &around, points.len(), budget.total_t / budget.nodes)
+        InteractionList::new(self.tiles.tree, &around, points.len(), budget.total_t / budget.nodes)
     }
 
     /// The factor from the unit of the quantity to tesla.

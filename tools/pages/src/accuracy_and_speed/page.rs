@@ -343,6 +343,22 @@ const ONLY_EXACT: &str = "
 * Tiles near a point of a list are summed directly. The tree expands distant tiles only.
 * Tolerances close to 1e-13 of the sum of the tiles' fields give the exact field. Points at which
   even the exact field may exceed the tolerance are reported as errors.
+
+### Scenes drawn at random
+
+`cargo bench -p magsplice-benches --bench costs` draws 300 scenes from a seed: kinds, shapes and
+rotations of tiles, distances, shapes of grids, lists of points, and tolerances from 1e-2 to 1e-12.
+It prints the worst ratios of least times over interleaved runs on one thread. It also walks along
+the aspects and distances of one tile in steps of a quarter of an octave. One run printed:
+
+* Time within a tolerance over the exact time: 1.73, a cube within 8.4e-14 T. Nine of 284 scenes are
+  above 1.25. Most have tolerances near 1e-10 or less than 300 points. Where the tolerance refuses
+  points, 1.46.
+* The same along the walk within 1e-6: 1.98, beside a strip of aspect 609.
+* Time of the gradient over the time of the field: 24, far from tiles turned by 1e-9. Along the
+  walk, 8.9, beside rods and strips of aspects above 30.
+* Times of the field of one tile at neighbouring steps differ by up to 3.45 times: beside a bar of
+  aspect 4, the form for points close to compact tiles ends.
 ";
 
 const SINGLE: &str = "
