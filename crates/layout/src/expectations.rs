@@ -273,11 +273,12 @@ impl MadeExpectations {
 pub(crate) fn about_amplitude(subject: FindingSubject, least: f64) -> Option<Finding> {
     let table = if subject == FindingSubject::Design { "design" } else { "expect" };
     (least > LARGEST_AMPLITUDE).then(|| {
-        let message = format!(
-            "{table}: amplitude.min = {least} is a fraction of the ideal film's field, so {} %: did you mean {}?",
-            typed(100.0 * least),
-            typed(0.01 * least)
-        );
+        let percent = typed(100.0 * least);
+        let meant = match percent.is_finite() {
+            true => format!(", so {percent} %: did you mean {}?", typed(0.01 * least)),
+            false => ", and no film reaches it".to_owned(),
+        };
+        let message = format!("{table}: amplitude.min = {least} is a fraction of the ideal film's field{meant}");
         Finding::new(subject, message)
     })
 }
