@@ -79,7 +79,8 @@ impl DirectSum {
     }
 
     /// The error bound of the field of each tile over
-    /// [`EXACT_BOUND`]: 1, and more for tiles with moved faces.
+    /// [`EXACT_BOUND`](magsplice_cuboid::tolerances::EXACT_BOUND): 1, and more for tiles with moved
+    /// faces.
     pub fn error_weights(&self) -> &[f64] {
         &self.error_weights
     }
