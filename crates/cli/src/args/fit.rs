@@ -5,6 +5,8 @@ use magsplice::scan::FreeParameters;
 
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
 pub(crate) enum FitArg {
+    /// All of them
+    All,
     /// Strength of all tiles, relative to the layout
     Strength,
     /// Offset of the sensor and uniform stray field together
@@ -18,7 +20,7 @@ pub(crate) enum FitArg {
 impl FitArg {
     /// The parameters of a list.
     pub(crate) fn free(fitted: &[FitArg]) -> FreeParameters {
-        let is_free = |what: FitArg| fitted.contains(&what);
+        let is_free = |what: FitArg| fitted.contains(&what) || fitted.contains(&FitArg::All);
         FreeParameters {
             strength: is_free(FitArg::Strength),
             offset: is_free(FitArg::Offset),

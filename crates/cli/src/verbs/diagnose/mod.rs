@@ -73,7 +73,7 @@ pub(crate) struct DiagnoseArgs {
         value_name = "WHAT",
         num_args = 0..,
         require_equals = true,
-        default_missing_value = "strength,offset,rotation,start"
+        default_missing_value = "all"
     )]
     fit: Vec<FitArg>,
     /// Probability that a tile of a fault-free film is reported

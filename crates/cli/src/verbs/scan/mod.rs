@@ -50,8 +50,8 @@ pub(crate) struct ScanArgs {
     /// names is still required
     #[arg(long, value_name = "UNITS", value_parser = given_units)]
     unit: Option<GivenUnits>,
-    /// Parameters to fit [default: all; where errors of tiles look like another strength and
-    /// height, all but the strength]
+    /// Parameters to fit, such as offset,start [default: all, but the strength only where errors of
+    /// tiles do not look like another strength and height]
     #[arg(long, value_enum, value_delimiter = ',', value_name = "WHAT")]
     fit: Vec<FitArg>,
     /// File for a table of the readings, corrected for offset and rotation, with the field of the
