@@ -282,8 +282,8 @@ impl FilmScan {
         let residual = self.excessive_residual().map(|ratio| {
             format!(
                 "the residual is {} times the noise of the sensor: the film differs from the layout, the positions of the \
-                 scan are wrong, or the noise is larger than stated; the deviations do not contain this. Errors of tiles look like another strength \
-                 and height{}",
+                 scan are wrong, or the noise is larger than stated; the deviations do not contain this. Errors of tiles \
+                 look like another strength and height{}",
                 number(ratio),
                 if self.fit.strength { ": a fit of offset, rotation and start alone holds the strength" } else { "" }
             )
