@@ -107,9 +107,11 @@ pub fn diagnosis_figure(layout: &Layout, found: &FilmDiagnosis) -> Result<Drawin
                    turn, and a percentage for the strength. Right: the largest standard deviation of the errors of each \
                    tile after the scan, divided by their standard deviation before it, without turns about J. At 1 the scan \
                    resolves nothing.";
+    // Errors that are not reported are not drawn.
+    let listed = if found.is_rejected { &[][..] } else { &found.diagnosis.detected };
     let tile = |(index, tile)| DiagnosedTile {
         tile,
-        faults: found.diagnosis.detected.iter().filter(|of| of.candidate.tile == index).map(DrawnFault::from).collect(),
+        faults: listed.iter().filter(|of| of.candidate.tile == index).map(DrawnFault::from).collect(),
         unresolved: found.unresolved_share(layout, index),
     };
     let tiles: Vec<DiagnosedTile> = layout.tiles.iter().enumerate().map(tile).collect();
