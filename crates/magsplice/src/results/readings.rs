@@ -91,17 +91,19 @@ fn hint(locator: &Locator, readings_t: &[DVec3], found: &[Result<Located, Locate
     let tried: Vec<DVec3> = without.into_iter().step_by(step).collect();
     let are_explained = |change: &dyn Fn(DVec3) -> DVec3| {
         let changed: Vec<DVec3> = tried.iter().map(|reading_t| change(*reading_t)).collect();
-        let located = locator.locate(&changed).iter().filter(|found| found.is_ok()).count();
+        let located = locator.locate(&changed).iter().filter(|found| Located::of(found).is_some()).count();
         located as f64 >= EXPLAINED * tried.len() as f64
     };
     let unit = UNITS.into_iter().find(|factor| are_explained(&|reading_t| *factor * reading_t));
     if let Some(factor) = unit {
-        return Some(format!("readings times {factor} have positions in the volume: their unit is another one"));
+        return Some(format!(
+            "readings times {factor} have positions in or near the volume: their unit is another one"
+        ));
     }
     let axes = SignedAxes::all().into_iter().skip(1);
     let found = axes.into_iter().find(|axes| are_explained(&|reading_t| axes.inverse().apply(reading_t)))?;
     Some(format!(
-        "readings have positions in the volume if the axes of the sensor are others: {found}: {}",
+        "readings have positions in or near the volume if the axes of the sensor are others: {found}: {}",
         found.remedy()
     ))
 }
