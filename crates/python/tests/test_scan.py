@@ -150,3 +150,25 @@ def test_calibrations_have_the_keys_of_the_program(forces, tmp_path):
     file = rows(tmp_path / "forces.csv", header, np.hstack([force_n, reading_t]))
     told = told_by_program("calibrate", file, "--layout", saved(film, tmp_path))
     assert keys_of(film.calibrate(force_n, reading_t).to_dict()) == keys_of(told)
+
+
+def test_setting_of_a_part_changes_its_range(published):
+    film = published.replace(sensor={"part": "MLX90393"})
+    coarse = film.replace(sensor={"gain_sel": 0, "res": 3})
+    near = [[x, y, -1] for x in range(-3, 4) for y in range(-3, 4)]
+    assert film.sample(points_mm=near, preset="jig").saturated > 0
+    assert coarse.sample(points_mm=near, preset="jig").saturated == 0
+    kept = film.replace(sensor={"gain_sel": 0, "res": 3, "noise_ut": 7.0})
+    assert kept.to_dict()["sensor"]["noise_ut"] == pytest.approx(7.0)
+
+
+def test_readings_print_their_first_displacements(published):
+    points = [[0, 0, -4], [1, 1, -4], [0.5, 0, -3.5], [-1, 0, -4.5]]
+    text = str(published.read(published.b(points)))
+    shown = [line.split() for line in text.splitlines() if line.startswith("displacement_mm")]
+    assert [line[0] for line in shown] == [
+        *(f"displacement_mm[{n}]" for n in range(3)),
+        "displacement_mm",
+    ]
+    assert shown[0][-1] == "mm"
+    assert shown[-1][1:] == ["1", "more"]

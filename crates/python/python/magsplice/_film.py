@@ -190,7 +190,8 @@ class Film(Sensed):
             ``sensor``, ``elastomer``, ``expect``, and ``tile`` with the tiles. None removes a
             table. A mapping changes the keys that it has; the value None removes a key. A mapping
             with a ``preset`` of ``tolerance`` or a ``part`` of ``sensor``, which stands for a
-            whole table, replaces the table.
+            whole table, replaces the table. A setting of the part, such as ``gain_sel``, also
+            changes noise, counts and range.
 
         Examples
         --------
@@ -976,11 +977,17 @@ class Film(Sensed):
 #: Keys of tables that stand for all other keys of the table.
 _PRESETS = {"tolerance": "preset", "sensor": "part"}
 
+#: Settings of a part, and the keys whose values follow from them.
+_SETTINGS = ("gain_sel", "res", "full_scale_gauss")
+_OF_SETTINGS = ("noise_ut", "count_ut", "range_mt")
+
 
 def _merged(name: str, before: Mapping[str, Any], table: Any) -> Any:
     """Table with the keys of the table before that it does not have."""
     known = before.get(name)
     if isinstance(table, Mapping) and isinstance(known, dict) and _PRESETS.get(name) not in table:
+        if name == "sensor" and any(key in table for key in _SETTINGS):
+            known = {key: value for key, value in known.items() if key not in _OF_SETTINGS}
         return {**known, **table}
     return table
 
