@@ -55,6 +55,9 @@ impl<'a> PlacedScan<'a> {
             .then(|| fit_scan(self.ordered, self.points_mm, self.field_t, free, self.centre_mm).ok())
             .flatten();
         if let Some(fit) = fit.as_ref().filter(|fit| !fit.has_stated_axes()) {
+            // With the strength held, as a scan states it.
+            let determined = fit_determined(self.ordered, self.points_mm, self.field_t, self.centre_mm);
+            let fit = determined.as_ref().map_or(fit, |(fit, _)| fit);
             return Err(FilmError::Misplaced(Box::new(SensorPlacement::new(fit))));
         }
         let start = fit.map_or(ScanParameters::PERFECT, |fit| fit.parameters);

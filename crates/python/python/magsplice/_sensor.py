@@ -75,7 +75,9 @@ class Readings(OfFilm, Table):
             array = getattr(self, name)
             rows = () if array is None else array.reshape(-1, 3)[:_MOST_ROWS]
             for index, row in enumerate(rows):
-                yield from lines({f"{name}[{index}]": row.tolist()}, name)
+                yield from lines({f"[{index}]": row.tolist()}, name)
+            if array is not None and array.size > 3 * _MOST_ROWS:
+                yield name, f"{array.size // 3 - _MOST_ROWS} more"
         yield from ((text, count) for text, count in zip(STATUS, counts, strict=True) if count)
 
 
