@@ -217,6 +217,13 @@ fn films_with_small_errors_of_every_tile_have_no_list_of_faulty_tiles() {
     let named = "errors of every tile explain the scan as well as errors of single tiles: no tile is reported";
     assert!(said.stdout.contains(named), "{}{}", said.stdout, said.stderr);
     assert!(said.stderr.contains("; --preset workshop expects them"), "{}", said.stderr);
+    // Nor are they drawn.
+    #[cfg(feature = "report")]
+    {
+        run(&sandbox, &["--figure", "tiles.svg", "-q"]);
+        let drawn = sandbox.read("tiles.svg");
+        assert!(!drawn.contains("displaced") && !drawn.contains("turned"), "{drawn}");
+    }
     let expected = run(&sandbox, &["--preset", "workshop"]);
     assert!(expected.stdout.contains("no faulty tile"), "{}", expected.stdout);
 }
