@@ -222,7 +222,7 @@ fn films_with_small_errors_of_every_tile_have_no_list_of_faulty_tiles() {
     {
         run(&sandbox, &["--figure", "tiles.svg", "-q"]);
         let drawn = sandbox.read("tiles.svg");
-        assert!(!drawn.contains("displaced") && !drawn.contains("turned"), "{drawn}");
+        assert!(drawn.contains("Rejected: no tile is reported.") && !drawn.contains("displaced"), "{drawn}");
     }
     let expected = run(&sandbox, &["--preset", "workshop"]);
     assert!(expected.stdout.contains("no faulty tile"), "{}", expected.stdout);

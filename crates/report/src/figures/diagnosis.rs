@@ -115,12 +115,12 @@ pub fn diagnosis_figure(layout: &Layout, found: &FilmDiagnosis) -> Result<Drawin
         unresolved: found.unresolved_share(layout, index),
     };
     let tiles: Vec<DiagnosedTile> = layout.tiles.iter().enumerate().map(tile).collect();
-    FigureDraft::new("diagnosis", caption, svg(&tiles), csv(&tiles))?.rendered(SvgText::Text)
+    FigureDraft::new("diagnosis", caption, svg(&tiles, found.is_rejected), csv(&tiles))?.rendered(SvgText::Text)
 }
 
-fn svg(tiles: &[DiagnosedTile]) -> Result<String, DrawError> {
+fn svg(tiles: &[DiagnosedTile], is_rejected: bool) -> Result<String, DrawError> {
     let [left, right] = two_panels(tiles.iter().map(|of| &of.tile.tile), ROOM_PX, TOP_AND_GAP_PX, MARGIN);
-    let list = listed(tiles);
+    let list = listed(tiles, is_rejected);
     let below = left.bottom() + BELOW_PX + 14.0;
     sheet([right.right() + 12.0 + BAR_PX, below + LINE_PX * list.len() as f64 + 6.0], |sheet| {
         left.title(sheet, 0, "faulty tiles")?;
@@ -151,7 +151,7 @@ fn svg(tiles: &[DiagnosedTile]) -> Result<String, DrawError> {
 }
 
 /// A line for each error, with its colour.
-fn listed(tiles: &[DiagnosedTile]) -> Vec<(String, RGBColor)> {
+fn listed(tiles: &[DiagnosedTile], is_rejected: bool) -> Vec<(String, RGBColor)> {
     let all: Vec<(String, RGBColor)> = tiles
         .iter()
         .flat_map(|of| {
@@ -162,6 +162,7 @@ fn listed(tiles: &[DiagnosedTile]) -> Vec<(String, RGBColor)> {
     let more = all.len().saturating_sub(MOST_LINES);
     let mut lines: Vec<(String, RGBColor)> = all.into_iter().take(MOST_LINES).collect();
     match lines.len() {
+        0 if is_rejected => lines.push(("Rejected: no tile is reported.".to_owned(), INK)),
         0 => lines.push(("No tile has more than its expected errors.".to_owned(), INK)),
         _ if more > 0 => lines.push((format!("and {more} more"), INK)),
         _ => (),
