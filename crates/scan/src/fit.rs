@@ -179,7 +179,8 @@ pub fn fit_determined<'a>(
         false => share(fit) <= SMALL_RESIDUAL,
     };
     let all = fitted(FreeParameters::ALL);
-    if !matches!(&all, Ok(fit) if !is_noise(fit)) && !matches!(all, Err(ScanError::NoConvergence)) {
+    let is_vague = matches!(all, Err(ScanError::NoConvergence | ScanError::Undetermined(_)));
+    if !is_vague && !matches!(&all, Ok(fit) if !is_noise(fit)) {
         return Ok((all?, FreeParameters::ALL));
     }
     let most_t = all.as_ref().map_or(f64::INFINITY, |fit| HELD * fit.noise_t);

@@ -34,6 +34,10 @@ const SHORTEST_STEP: f64 = 1e-12;
 /// reported as part of it.
 const LEAST_PART: f64 = 0.3;
 
+/// Standard deviation of a scaled parameter of a fit that does not converge, above which the
+/// readings do not determine it. Steps of this size leave the region where the model is linear.
+const MOST_DEVIATION: f64 = 0.3;
+
 /// A scan with its parameters to fit.
 pub(crate) struct Scan<'a> {
     field: &'a SensedField<'a>,
@@ -173,7 +177,27 @@ impl<'a> Scan<'a> {
                 return self.fitted(parameters, at, exclusions);
             }
         }
-        Err(ScanError::NoConvergence)
+        Err(self.not_converged(&at, exclusions))
+    }
+
+    /// The reason why steps do not converge: parameters that the readings hardly determine, if the
+    /// residuals let them vary by as much as changes the readings by themselves.
+    fn not_converged(&self, at: &Linearized, exclusions: &[Option<Exclusion>]) -> ScanError {
+        let covariance = match self.inverse(&at.normal) {
+            Ok(covariance) => covariance,
+            Err(error) => return error,
+        };
+        let noise_t = self.noise_t(at, exclusions);
+        let is_vague = |of: &ScanParameter| noise_t * covariance[(of.index(), of.index())].sqrt() > MOST_DEVIATION;
+        let vague: Vec<ScanParameter> = ScanParameter::ALL.into_iter().filter(is_vague).collect();
+        if vague.is_empty() { ScanError::NoConvergence } else { ScanError::Undetermined(vague) }
+    }
+
+    /// Standard deviation of the residuals of one component.
+    fn noise_t(&self, at: &Linearized, exclusions: &[Option<Exclusion>]) -> f64 {
+        let kept = exclusions.iter().filter(|exclusion| exclusion.is_none()).count();
+        let freedom = (3 * kept).saturating_sub(self.free.count()).max(1);
+        (at.sum_of_squares / freedom as f64).sqrt()
     }
 
     fn linearized(
@@ -277,9 +301,7 @@ impl<'a> Scan<'a> {
         at: Linearized,
         exclusions: &[Option<Exclusion>],
     ) -> Result<ScanFit, ScanError> {
-        let kept = exclusions.iter().filter(|exclusion| exclusion.is_none()).count();
-        let freedom = (3 * kept).saturating_sub(self.free.count()).max(1);
-        let noise_t = (at.sum_of_squares / freedom as f64).sqrt();
+        let noise_t = self.noise_t(&at, exclusions);
         let covariance = self.inverse(&at.normal)?;
         let deviations = ScanParameters::from_fn(|parameter| {
             let index = parameter.index();

@@ -58,8 +58,19 @@ impl SignedAxes {
     }
 
     /// The exchange as a matrix.
-    pub(crate) fn matrix(self) -> DMat3 {
+    pub fn matrix(self) -> DMat3 {
         DMat3::from_cols_array_2d(&DVec3::AXES.map(|axis| self.apply(axis).to_array()))
+    }
+
+    /// The exchange that is nearest to an orthogonal matrix, a rotation if the matrix is one.
+    pub fn nearest(orthogonal: DMat3) -> SignedAxes {
+        let likeness = |axes: &SignedAxes| -> f64 {
+            let diagonal = (axes.matrix().transpose() * orthogonal).to_cols_array_2d();
+            (0..3).map(|i| diagonal[i][i]).sum()
+        };
+        let is_rotation = orthogonal.determinant() > 0.0;
+        let alike = SignedAxes::all().into_iter().filter(|axes| axes.is_rotation() == is_rotation);
+        alike.max_by(|a, b| likeness(a).total_cmp(&likeness(b))).unwrap_or(SignedAxes::SAME)
     }
 
     /// Whether a rotation has the same effect.

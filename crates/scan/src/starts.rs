@@ -185,16 +185,7 @@ fn oriented(field_t: &[DVec3], readings_t: &[DVec3], free: FreeParameters) -> Op
     // The orthogonal matrix is E R^-1 with the nearest signed exchange E. E that is a rotation
     // belongs to R.
     let orthogonal = DMat3::from_cols_slice(orthogonal.as_slice());
-    let likeness = |axes: &SignedAxes| -> f64 {
-        (axes.matrix().transpose() * orthogonal)
-            .to_cols_array_2d()
-            .iter()
-            .enumerate()
-            .map(|(i, column)| column[i])
-            .sum()
-    };
-    let nearest = SignedAxes::all().into_iter().filter(|axes| axes.is_rotation() == (orthogonal.determinant() > 0.0));
-    let nearest = nearest.max_by(|a, b| likeness(a).total_cmp(&likeness(b)))?;
+    let nearest = SignedAxes::nearest(orthogonal);
     let sensor_axes = if nearest.is_rotation() { SignedAxes::SAME } else { nearest };
     let turn = DQuat::from_mat3(&(sensor_axes.matrix().transpose() * orthogonal)).inverse();
     if !free.rotation && (nearest != SignedAxes::SAME) {

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use magsplice::prelude::{DVec3, Quantity};
+use magsplice::scan::SignedAxes;
 
 use crate::args::given_units::GivenUnits;
 use crate::csv_input::finder::{Column, Finder};
@@ -122,7 +123,12 @@ fn at_limit(session: &Session, positions: &[DVec3], readings_t: &[DVec3]) -> Opt
         });
     }
     let found = if is_beyond {
-        format!("readings reach {largest}, beyond the range of [sensor], {range}: the sensor had another setting")
+        let is_within = |axes: &SignedAxes| axes.apply(largest_t).abs().cmplt(range_t).all();
+        let exchanged = SignedAxes::all().into_iter().find(is_within);
+        let or_exchanged =
+            exchanged.map_or(String::new(), |axes| format!(", or its axes are exchanged: within it where {axes}"));
+        let another = "the sensor had another setting";
+        format!("readings reach {largest}, beyond the range of [sensor], {range}: {another}{or_exchanged}")
     } else {
         let readings = counted(count, "reading is", "readings are");
         format!("{readings} at the limit of the range of [sensor], {range}")

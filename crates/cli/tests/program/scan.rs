@@ -235,7 +235,7 @@ fn axes_and_places_other_than_stated_are_found_and_named() {
     let sandbox = Sandbox::new();
     let film = sandbox.published_with("");
     type Change = fn(&[f64]) -> Vec<f64>;
-    let changes: [(Change, &str); 5] = [
+    let changes: [(Change, &str); 6] = [
         (
             |row| vec![row[0], row[1], row[2], row[4], row[3], row[5]],
             "axes of the sensor: x and y are exchanged: name the columns of the field by, bx, bz",
@@ -245,6 +245,11 @@ fn axes_and_places_other_than_stated_are_found_and_named() {
             "axes of the sensor: z is reversed: set gain = [1, 1, -1] in [sensor]",
         ),
         (|row| vec![row[0], row[1], row[2], -row[3], -row[4], row[5]], "180.0"),
+        (
+            |row| vec![row[0], row[1], row[2], row[4], row[5], row[3]],
+            "its rotation is that of exchanged axes: x, y, z are y, z, x: if it was not mounted so, name the columns of \
+             the field by, bz, bx",
+        ),
         (|row| vec![row[0] + 102.0, row[1] + 55.0, row[2] + 5.0, row[3], row[4], row[5]], "-102.0"),
         (
             |row| vec![row[0], row[1], 30.0 - row[2], row[3], row[4], row[5]],

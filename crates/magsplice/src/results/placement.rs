@@ -2,9 +2,13 @@
 
 use std::fmt;
 
-use glam::DVec3;
+use glam::{DMat3, DQuat, DVec3};
 use magsplice_scan::{ScanFit, ScanParameters, SignedAxes};
 use serde::Serialize;
+
+/// Angle from a rotation to the nearest exchange of axes up to which axes are likely exchanged:
+/// sensors are soldered and clamped to a few degrees.
+const MOST_MOUNTING_DEG: f64 = 15.0;
 
 /// What is not known of a scan beforehand.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -27,6 +31,22 @@ impl FittedScan {
             rotation_deg: of.rotation_rad.map(f64::to_degrees),
             start_mm: of.start,
         }
+    }
+
+    /// The exchange of axes that the rotation of the sensor is but for errors of mounting, as
+    /// words, with its remedy. `None` if no axis is another one.
+    pub(crate) fn rotated_axes(&self) -> Option<String> {
+        let turn = DQuat::from_scaled_axis(self.rotation_deg.map(f64::to_radians));
+        let axes = SignedAxes::nearest(DMat3::from_quat(turn.inverse()));
+        let difference = turn * DQuat::from_mat3(&axes.matrix());
+        let angle_deg = 2.0 * difference.w.abs().min(1.0).acos().to_degrees();
+        let is_exchange = axes != SignedAxes::SAME && angle_deg <= MOST_MOUNTING_DEG;
+        is_exchange.then(|| {
+            let remedy = axes.remedy();
+            format!(
+                "axes of the sensor: its rotation is that of exchanged axes: {axes}: if it was not mounted so, {remedy}"
+            )
+        })
     }
 }
 
@@ -61,7 +81,9 @@ impl fmt::Display for SensorPlacement {
         let residual_ut = 1e6 * self.residual_t;
         write!(f, "the film as ordered explains the scan to {residual_ut:.1} uT with strength {strength:.3}, ")?;
         write!(f, "start ({}) mm, rotation ({}) deg", rounded(start_mm, 3), rounded(rotation_deg, 2))?;
-        if [self.sensor_axes, self.stage_axes] == [SignedAxes::SAME; 2] {
+        if let Some(rotated) = self.fitted.rotated_axes() {
+            write!(f, "; {rotated}")?;
+        } else if [self.sensor_axes, self.stage_axes] == [SignedAxes::SAME; 2] {
             return f.write_str(": fit them with the errors of tiles");
         }
         if self.sensor_axes != SignedAxes::SAME {

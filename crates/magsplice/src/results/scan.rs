@@ -252,13 +252,13 @@ impl FilmScan {
         (self.sensor_noise_t > 0.0 && ratio > MOST_RESIDUAL).then_some(ratio)
     }
 
-    /// Exchanged and reversed axes with their remedies, one sentence each.
+    /// Exchanged and reversed axes, those of a rotation too, with their remedies, one sentence each.
     pub fn exchanged_axes(&self) -> Vec<String> {
         let of_sensor = (self.sensor_axes != SignedAxes::SAME)
             .then(|| format!("axes of the sensor: {}: {}", self.sensor_axes, self.sensor_axes.remedy()));
         let of_stage = (self.stage_axes != SignedAxes::SAME)
             .then(|| format!("axes of the positions: {}: change their columns", self.stage_axes));
-        of_sensor.into_iter().chain(of_stage).collect()
+        of_sensor.into_iter().chain(self.fitted.rotated_axes()).chain(of_stage).collect()
     }
 
     /// Why the fit is hardly the fit of this film, one sentence each.
@@ -271,7 +271,8 @@ impl FilmScan {
             )
         });
         let offset_t = self.fitted.offset_t.abs().max_element();
-        let offset = (self.fit.offset && offset_t > MOST_OFFSET_T).then(|| {
+        let certain_t = (self.fitted.offset_t.abs() - 2.0 * self.deviation.offset_t).max_element();
+        let offset = (self.fit.offset && certain_t > MOST_OFFSET_T).then(|| {
             format!(
                 "the fitted offset is {} uT, several times the field of the earth: another magnet is near, the sensor has an \
                  offset that [sensor] does not state, or the scan is of another film, and an offset makes up for its \
