@@ -3,10 +3,10 @@
 use glam::DVec3;
 use magsplice_sensor::SensedField;
 
-use crate::exclusion::Exclusion;
+use crate::exclusion::{Exclusion, Plateau};
 use crate::fit_error::ScanError;
-use crate::least_squares::{Scan, ScanFit};
-use crate::parameters::{FreeParameters, ScanParameters};
+use crate::least_squares::{MADE_RESIDUAL, Scan, ScanFit};
+use crate::parameters::{FreeParameters, ScanParameter, ScanParameters};
 use crate::signed_axes::SignedAxes;
 use crate::starts::{SIMILAR, Search, Start, starts};
 
@@ -33,9 +33,8 @@ pub(crate) const MOST_OUTLIERS: f64 = 0.2;
 const EXPECTED_RESIDUAL: f64 = 3.0;
 const SMALL_RESIDUAL: f64 = 0.01;
 
-/// The same for a fit close to the perfect scan: its strength, and its rotation in radians, differ
-/// by at most `CLOSE`. The residual of a film as made is a few per cent.
-const MADE_RESIDUAL: f64 = 0.1;
+/// Differences of strength, and rotation in radians, of a fit close to the perfect scan. Its residual
+/// may be that of a film as made.
 const CLOSE: f64 = 0.3;
 
 /// Residual of a fit from another start, over the residual from a perfect scan, above which the
@@ -179,7 +178,10 @@ pub fn fit_determined<'a>(
         false => share(fit) <= SMALL_RESIDUAL,
     };
     let all = fitted(FreeParameters::ALL);
-    let is_vague = matches!(all, Err(ScanError::NoConvergence | ScanError::Undetermined(_)));
+    let is_vague = match &all {
+        Err(ScanError::Undetermined(parameters)) => parameters.contains(&ScanParameter::Strength),
+        of_all => matches!(of_all, Err(ScanError::NoConvergence)),
+    };
     if !is_vague && !matches!(&all, Ok(fit) if !is_noise(fit)) {
         return Ok((all?, FreeParameters::ALL));
     }
@@ -248,7 +250,7 @@ fn fit_from(
         parameters = fit.parameters;
         let found = with_outliers(&scan.residuals_t(&parameters)?, unusable, least_noise_t);
         if let Some(outliers) = is_excess(&found) {
-            return Err(ScanError::AnotherFilm { outliers });
+            return Err(ScanError::AnotherFilm { outliers, plateau: Plateau::among(readings_t, &found) });
         }
         if found == exclusions {
             return Ok(fit);

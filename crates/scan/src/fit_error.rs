@@ -3,6 +3,7 @@
 use magsplice_magnet::PointErrors;
 use thiserror::Error;
 
+use crate::exclusion::Plateau;
 use crate::parameters::ScanParameter;
 
 /// The reason why a scan cannot be fitted.
@@ -34,11 +35,14 @@ pub enum ScanError {
     /// The number of readings far from every fit exceeds the limit of outliers.
     #[error(
         "readings farther from the fit than the noise allows: {outliers}; the scan belongs to another film, or its positions \
-         have errors of more than a quarter of a wavelength"
+         have errors of more than a quarter of a wavelength{}",
+        plateau.map_or(String::new(), |plateau| format!("; {plateau}"))
     )]
     AnotherFilm {
         /// Number of readings far from the fit.
         outliers: usize,
+        /// Those that share the extreme of a component.
+        plateau: Option<Plateau>,
     },
     /// The residuals are a large part of the readings.
     #[error(

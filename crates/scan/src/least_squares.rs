@@ -34,9 +34,12 @@ const SHORTEST_STEP: f64 = 1e-12;
 /// reported as part of it.
 const LEAST_PART: f64 = 0.3;
 
-/// Standard deviation of a scaled parameter of a fit that does not converge, above which the
-/// readings do not determine it. Steps of this size leave the region where the model is linear.
+/// Standard deviation of a scaled parameter above which the readings do not determine it: 0.3 rad, or
+/// 30 % of the strength. Steps of this size leave the region where the model is linear.
 const MOST_DEVIATION: f64 = 0.3;
+
+/// Residual of a film as made, over the root mean square of the readings: a few per cent, at most.
+pub(crate) const MADE_RESIDUAL: f64 = 0.1;
 
 /// A scan with its parameters to fit.
 pub(crate) struct Scan<'a> {
@@ -177,27 +180,28 @@ impl<'a> Scan<'a> {
                 return self.fitted(parameters, at, exclusions);
             }
         }
-        Err(self.not_converged(&at, exclusions))
+        self.determined(&at, exclusions)?;
+        Err(ScanError::NoConvergence)
     }
 
-    /// The reason why steps do not converge: parameters that the readings hardly determine, if the
-    /// residuals let them vary by as much as changes the readings by themselves.
-    fn not_converged(&self, at: &Linearized, exclusions: &[Option<Exclusion>]) -> ScanError {
-        let covariance = match self.inverse(&at.normal) {
-            Ok(covariance) => covariance,
-            Err(error) => return error,
-        };
-        let noise_t = self.noise_t(at, exclusions);
-        let is_vague = |of: &ScanParameter| noise_t * covariance[(of.index(), of.index())].sqrt() > MOST_DEVIATION;
-        let vague: Vec<ScanParameter> = ScanParameter::ALL.into_iter().filter(is_vague).collect();
-        if vague.is_empty() { ScanError::NoConvergence } else { ScanError::Undetermined(vague) }
-    }
-
-    /// Standard deviation of the residuals of one component.
-    fn noise_t(&self, at: &Linearized, exclusions: &[Option<Exclusion>]) -> f64 {
+    /// The covariance of the scaled parameters over the variance of the residuals, and the standard
+    /// deviation of the residuals.
+    ///
+    /// # Errors
+    /// Names the parameters that the readings do not determine: where the model holds, and the
+    /// residuals leave a parameter as large a deviation as takes the steps out of the linear region.
+    fn determined(&self, at: &Linearized, exclusions: &[Option<Exclusion>]) -> Result<(Matrix, f64), ScanError> {
         let kept = exclusions.iter().filter(|exclusion| exclusion.is_none()).count();
         let freedom = (3 * kept).saturating_sub(self.free.count()).max(1);
-        (at.sum_of_squares / freedom as f64).sqrt()
+        let noise_t = (at.sum_of_squares / freedom as f64).sqrt();
+        let covariance = self.inverse(&at.normal)?;
+        let deviation = |index: usize| noise_t * covariance[(index, index)].max(0.0).sqrt();
+        let is_vague = |of: &ScanParameter| deviation(of.index()) > MOST_DEVIATION;
+        let vague: Vec<ScanParameter> = ScanParameter::ALL.into_iter().filter(is_vague).collect();
+        if noise_t <= MADE_RESIDUAL * self.field_scale_t && !vague.is_empty() {
+            return Err(ScanError::Undetermined(vague));
+        }
+        Ok((covariance, noise_t))
     }
 
     fn linearized(
@@ -301,8 +305,7 @@ impl<'a> Scan<'a> {
         at: Linearized,
         exclusions: &[Option<Exclusion>],
     ) -> Result<ScanFit, ScanError> {
-        let noise_t = self.noise_t(&at, exclusions);
-        let covariance = self.inverse(&at.normal)?;
+        let (covariance, noise_t) = self.determined(&at, exclusions)?;
         let deviations = ScanParameters::from_fn(|parameter| {
             let index = parameter.index();
             noise_t * covariance[(index, index)].max(0.0).sqrt() * self.scales[index]

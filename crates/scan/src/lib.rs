@@ -42,7 +42,7 @@ pub use diagnosis::{
     Candidate, DetectedError, Diagnosis, DiagnosisError, DiagnosisSettings, ErrorKind, FALSE_ALARM, FieldScan,
     FittedError, NarrowedError, ScanDiagnosis, SimilarErrors,
 };
-pub use exclusion::Exclusion;
+pub use exclusion::{Exclusion, Plateau};
 pub use fit::{fit_determined, fit_scan};
 pub use fit_error::ScanError;
 pub use least_squares::ScanFit;

@@ -65,7 +65,10 @@ fn known_parameters_of_a_scan_are_recovered() {
             ["corrected", "simulated"].map(|name| number(&result["uniformity_rmse"][name][parameter]));
         assert!((corrected - simulated).abs() < 1e-9, "{result}");
     }
-    assert_eq!(result["excluded"], serde_json::json!({ "incomplete": [], "saturated": [], "outliers": [] }));
+    assert_eq!(
+        result["excluded"],
+        serde_json::json!({ "incomplete": [], "saturated": [], "outliers": [], "plateau": null })
+    );
     assert_eq!(result["repeated"], serde_json::json!([]));
     assert_eq!(result["grid"], serde_json::json!([9, 9, 5]));
     // The table has the places of the film, and no residuals.
@@ -199,6 +202,47 @@ fn offsets_that_no_sensor_has_are_named() {
     );
 }
 
+/// Readings along a line, with noise: what they do not determine is named.
+#[test]
+fn parameters_that_a_line_does_not_determine_are_named() {
+    let sandbox = Sandbox::new();
+    let film = sandbox.published_with("[sensor]\nnoise_ut = 5");
+    let points: Vec<String> = (0..41).map(|n| format!("0.5,0.3,{:?}", -3.0 - 0.1 * f64::from(n))).collect();
+    sandbox.write("points.csv", &format!("x_mm,y_mm,z_mm\n{}\n", points.join("\n")));
+    let sample = [
+        "tolerance",
+        "sample",
+        &film,
+        "--preset",
+        "workshop",
+        "--points",
+        "points.csv",
+        "--scan",
+        "scan.csv",
+        "-o",
+        "made.toml",
+    ];
+    assert_eq!(sandbox.run(&sample).status, 0);
+    sandbox
+        .run(&["scan", "scan.csv", "--layout", "made.toml"])
+        .refuses("the scan does not determine rotation about z: fit fewer parameters");
+    let said = sandbox.run(&["scan", "scan.csv", "--layout", "made.toml", "--fit", "strength,offset"]);
+    assert_eq!((said.status, said.stderr.as_str()), (0, ""));
+}
+
+/// A sensor whose range is smaller than stated.
+#[test]
+fn outliers_at_one_extreme_are_named() {
+    let sandbox = Sandbox::new();
+    let film = sandbox.published_with("[sensor]\nnoise_ut = 5");
+    let clipped = |row: &Vec<f64>| row.iter().enumerate().map(|(n, v)| if n < 3 { *v } else { v.min(7e-3) }).collect();
+    write(&sandbox, "x_mm,y_mm,z_mm,bx_t,by_t,bz_t", &field(&sandbox).iter().map(clipped).collect::<Vec<_>>());
+    let said = sandbox.run(&["scan", "scan.csv", "--layout", &film]);
+    let named = "  7.000000 mT: 5 outliers share the largest reading of bz: if it is the limit of the sensor, state it as \
+                 range_mt in [sensor]\n";
+    assert!(said.stdout.contains(named), "{}{}", said.stdout, said.stderr);
+}
+
 /// One plane with z counted downwards is no plane of a sensor with reversed axes. Positions in
 /// another unit are an error, in `diagnose` too.
 #[test]
@@ -216,6 +260,13 @@ fn planes_counted_downwards_and_positions_in_another_unit_are_named() {
     assert!(!said.stdout.contains("axes of the sensor"), "{}", said.stdout);
     let said = sandbox.run(&["diagnose", &film, "--scan", "scan.csv", "--noise", "1uT"]);
     said.refuses("axes of the positions: z is reversed: change their columns");
+    let across: Vec<Vec<f64>> =
+        field.iter().map(|row| vec![row[0], row[1], -row[2], row[3], row[4], -row[5]]).collect();
+    write(&sandbox, names, &across);
+    let said = sandbox.run(&["scan", "scan.csv", "--layout", &film]);
+    assert!(
+        said.stderr.contains("the sensor was on the other side of the film than [volume]: the film is turned over")
+    );
     for (unit, length) in [("inches", 25.4), ("metres", 1e3), ("micrometres", 1e-3)] {
         let scaled =
             |row: &Vec<f64>| row.iter().enumerate().map(|(n, v)| if n < 3 { v / length } else { *v }).collect();

@@ -269,7 +269,7 @@ impl Film {
         Ok(FilmDiagnosis {
             source: Source::of(self),
             readings: readings_t.len(),
-            excluded: ExcludedReadings::new(&diagnosis.exclusions, numbers),
+            excluded: ExcludedReadings::of_scan(readings_t, &diagnosis.exclusions, numbers),
             noise_t,
             false_alarm,
             has_expected_errors,

@@ -6,7 +6,7 @@ use glam::DVec3;
 use magsplice_decouple::{Branch, NoPlanes, Parameters, PerParameter, uniformity_by_planes};
 use magsplice_magnet::Grid;
 use magsplice_scan::{
-    Exclusion, FreeParameters, ScanError, ScanFit, ScanPositions, SignedAxes, fit_determined, fit_scan,
+    Exclusion, FreeParameters, Plateau, ScanError, ScanFit, ScanPositions, SignedAxes, fit_determined, fit_scan,
 };
 use serde::Serialize;
 
@@ -84,6 +84,9 @@ pub struct FilmScan {
     /// Whether the strength is held because the scan does not tell it from the height.
     #[serde(skip)]
     pub holds_strength: bool,
+    /// Whether the sensor was above the film and the working volume is below it, or the reverse.
+    #[serde(skip)]
+    pub is_across: bool,
     /// Root mean square of a component of the readings without offset.
     #[serde(skip)]
     pub reading_t: f64,
@@ -101,6 +104,8 @@ pub struct ExcludedReadings {
     pub saturated: Vec<u64>,
     /// Readings that contradict the fit of the others.
     pub outliers: Vec<u64>,
+    /// Outliers that share the extreme of a component.
+    pub plateau: Option<Plateau>,
 }
 
 impl ExcludedReadings {
@@ -117,6 +122,12 @@ impl ExcludedReadings {
             .push(*number);
         }
         excluded
+    }
+
+    /// These exclusions of a scan with the outliers that share an extreme.
+    pub(crate) fn of_scan(readings_t: &[DVec3], exclusions: &[Option<Exclusion>], numbers: &[u64]) -> ExcludedReadings {
+        let plateau = Plateau::among(readings_t, exclusions);
+        ExcludedReadings { plateau, ..ExcludedReadings::new(exclusions, numbers) }
     }
 
     /// Number of readings that the fit does not use.
@@ -198,6 +209,10 @@ impl Film {
             .ok()
             .zip(self.branch())
             .map(|(ideal, branch)| ScanUniformity::new(points_mm, &kept, fields_t, (branch, ideal.wavelength())));
+        let mean_z = |heights: Vec<f64>| heights.iter().sum::<f64>() / heights.len().max(1) as f64;
+        let film_mm = mean_z(self.layout().tiles.iter().map(|of| of.tile.position().z).collect());
+        let scan_mm = mean_z(places_mm.iter().map(|place| place.z).collect());
+        let is_across = centre_mm.is_some_and(|centre_mm| (centre_mm.z - film_mm) * (scan_mm - film_mm) < 0.0);
         let positions = ScanPositions::new(points_mm);
         let numbered = |indices: &[usize]| indices.iter().map(|index| numbers[*index]).collect();
         Ok(FilmScan {
@@ -212,7 +227,7 @@ impl Film {
             sensor_axes,
             stage_axes,
             residual_t: fit.noise_t,
-            excluded: ExcludedReadings::new(&fit.exclusions, numbers),
+            excluded: ExcludedReadings::of_scan(readings_t, &fit.exclusions, numbers),
             uniformity_rmse,
             exclusions: fit.exclusions,
             residuals_t: fit.residuals_t,
@@ -221,6 +236,7 @@ impl Film {
             simulated_t,
             reading_t,
             holds_strength: is_chosen && !free.strength,
+            is_across,
             sensor_noise_t: self.layout().sensor.as_ref().map_or(0.0, |of| of.element.deviation_t().max_element()),
         })
     }
@@ -303,7 +319,12 @@ impl FilmScan {
                 number(100.0 * share)
             )
         });
-        strength.into_iter().chain(offset).chain(residual).chain(unexplained).chain(held).collect()
+        let across = self.is_across.then(|| {
+            "the sensor was on the other side of the film than [volume]: the film is turned over, or z of the positions is \
+             counted downwards and the z axis of the sensor is reversed (gain = [1, 1, -1] in [sensor])"
+                .to_owned()
+        });
+        strength.into_iter().chain(across).chain(offset).chain(residual).chain(unexplained).chain(held).collect()
     }
 
     /// The readings with the field of the layout at the same places.

@@ -31,15 +31,25 @@ class FittedScan(Result):
     start_mm: Vector = key("Position of the sensor at the origin of the scan, in millimetres.")
 
 
+class Plateau(Result):
+    """Outliers that share the extreme of a component, as readings of a sensor at its limit do."""
+
+    axis: str = key("Component: x, y or z.")
+    reading_t: float = key("Its largest or smallest reading, in tesla.")
+    outliers: int = key("Number of outliers with this reading.")
+
+
 class ExcludedReadings(Result):
     """Indices of the readings that a fit does not use, with leading axes flattened."""
 
     incomplete: NDArray[np.intp] = key("Readings with a missing component, NaN.")
     saturated: NDArray[np.intp] = key("Readings at the limit of the sensor's range.")
     outliers: NDArray[np.intp] = key("Readings that contradict the fit of the others.")
+    plateau: Plateau | None = key("Outliers that share an extreme.", Plateau)
 
     def __init__(self, numbers: Mapping[str, Any]) -> None:
-        super().__init__(numbers, **{name: np.array(of, np.intp) for name, of in numbers.items()})
+        indices = {name: of for name, of in numbers.items() if name != "plateau"}
+        super().__init__(numbers, **{name: np.array(of, np.intp) for name, of in indices.items()})
 
 
 class SensorPlacement(Result):

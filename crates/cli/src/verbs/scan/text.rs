@@ -8,7 +8,7 @@ use magsplice::results::{ExcludedReadings, FilmScan, FittedScan};
 use magsplice::scan::FreeParameters;
 
 use crate::text::number::{counted, number, point};
-use crate::text::units::in_ut;
+use crate::text::units::{in_mt, in_ut};
 use crate::text::{header, rows};
 
 /// Positions that are listed.
@@ -56,6 +56,9 @@ pub(crate) fn excluded(text: &mut String, excluded: &ExcludedReadings) {
         if !numbers.is_empty() || reason == "outliers" {
             rows::cell(text, &format!("{reason}, excluded"), &numbers.len().to_string());
         }
+    }
+    if let Some(plateau) = excluded.plateau {
+        let _ = writeln!(text, "  {} mT: {plateau}", number(in_mt(plateau.reading_t)));
     }
 }
 
