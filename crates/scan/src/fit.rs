@@ -1,6 +1,7 @@
 //! Least-squares fit of the unknown parameters of a measured scan to the field of the tiles.
 
 use glam::DVec3;
+use magsplice_field::Scene;
 use magsplice_sensor::SensedField;
 
 use crate::exclusion::{Exclusion, Plateau};
@@ -33,6 +34,10 @@ pub(crate) const MOST_OUTLIERS: f64 = 0.2;
 const EXPECTED_RESIDUAL: f64 = 3.0;
 const SMALL_RESIDUAL: f64 = 0.01;
 
+/// Residual over the noise of the sensor up to which it may be noise: datasheets state noise to a
+/// factor of two.
+pub const KNOWN_NOISE: f64 = 2.0;
+
 /// Differences of strength, and rotation in radians, of a fit close to the perfect scan. Its residual
 /// may be that of a film as made.
 const CLOSE: f64 = 0.3;
@@ -52,6 +57,27 @@ const HELD: f64 = 1.5;
 
 /// Units in which positions are given by mistake, and their lengths in the unit of the tiles.
 const UNITS: [(&str, f64); 4] = [("inches", 25.4), ("centimetres", 10.0), ("metres", 1e3), ("micrometres", 1e-3)];
+
+/// The field of a film for the fit of a scan.
+#[derive(Clone, Debug)]
+pub struct ScanField<'a> {
+    /// The field that is fitted.
+    pub exact: SensedField<'a>,
+    /// A faster one, right to some per cent, with which starts are searched. `None` for the same.
+    pub rough: Option<SensedField<'a>>,
+}
+
+impl<'a> From<SensedField<'a>> for ScanField<'a> {
+    fn from(exact: SensedField<'a>) -> ScanField<'a> {
+        ScanField { exact, rough: None }
+    }
+}
+
+impl<'a> From<&'a Scene> for ScanField<'a> {
+    fn from(scene: &'a Scene) -> ScanField<'a> {
+        SensedField::from(scene).into()
+    }
+}
 
 /// Fits the parameters of a scan: readings of a sensor, in tesla, at positions of the scan.
 ///
@@ -75,14 +101,14 @@ const UNITS: [(&str, f64); 4] = [("inches", 25.4), ("centimetres", 10.0), ("metr
 /// # Panics
 /// If the numbers of points and readings differ.
 pub fn fit_scan<'a>(
-    field: impl Into<SensedField<'a>>,
+    field: impl Into<ScanField<'a>>,
     points: &[DVec3],
     readings_t: &[DVec3],
     free: FreeParameters,
     centre: Option<DVec3>,
 ) -> Result<ScanFit, ScanError> {
     assert_eq!(points.len(), readings_t.len(), "one reading per point");
-    let field = field.into();
+    let ScanField { exact: field, rough } = field.into();
     let sensor = *field.sensor();
     let unusable: Vec<Option<Exclusion>> =
         readings_t.iter().map(|reading_t| Exclusion::of_reading(&sensor, *reading_t)).collect();
@@ -94,17 +120,21 @@ pub fn fit_scan<'a>(
     let readings_t: Vec<DVec3> =
         readings_t.iter().map(|reading_t| (*reading_t - sensor.offset_t) / sensor.gain).collect();
     let field = field.without_gain_and_offset();
-    let from = |start: &Start| fit_from(&field, points, &readings_t, &unusable, free, start);
+    let rough = rough.map(|rough| rough.without_gain_and_offset());
+    let searched = rough.as_ref().unwrap_or(&field);
+    let fit_of = |field: &SensedField, start: &Start| fit_from(field, points, &readings_t, &unusable, free, start);
+    let from = |start: &Start| fit_of(&field, start);
     let expected_t = EXPECTED_RESIDUAL * (sensor.deviation_t() / sensor.gain.abs()).max_element();
     let is_expected = |fit: &ScanFit| is_expected(fit, &readings_t, expected_t);
     let found = |search: Search| -> Option<ScanFit> {
         let starts = match search.is_free(free) {
-            true => starts(search, &field, points, &readings_t, &unusable, free, centre),
+            true => starts(search, searched, points, &readings_t, &unusable, free, centre),
             false => Vec::new(),
         };
-        let fits: Vec<ScanFit> = starts.iter().filter_map(|start| from(start).ok()).collect();
+        let fits: Vec<ScanFit> = starts.iter().filter_map(|start| fit_of(searched, start).ok()).collect();
         let least_t = fits.iter().map(|fit| fit.noise_t).fold(f64::INFINITY, f64::min);
-        fits.into_iter().find(|fit| fit.noise_t <= SIMILAR * least_t)
+        let best = fits.into_iter().find(|fit| fit.noise_t <= SIMILAR * least_t)?;
+        if rough.is_some() { from(&best.start()).ok() } else { Some(best) }
     };
     if let Some(fit) = downwards(points, centre).filter(|_| free.start).and_then(|start| from(&start).ok())
         && is_expected(&fit)
@@ -119,7 +149,8 @@ pub fn fit_scan<'a>(
     if !best.as_ref().is_ok_and(is_expected) {
         let is_explained = |length: f64| {
             let scaled: Vec<DVec3> = points.iter().map(|point| length * *point).collect();
-            fit_from(&field, &scaled, &readings_t, &unusable, free, &Start::PERFECT).is_ok_and(|fit| is_expected(&fit))
+            fit_from(searched, &scaled, &readings_t, &unusable, free, &Start::PERFECT)
+                .is_ok_and(|fit| is_expected(&fit))
         };
         if let Some((unit, length)) = UNITS.into_iter().find(|(_, length)| is_explained(*length)) {
             return Err(ScanError::Unit { unit, length });
@@ -161,20 +192,20 @@ fn downwards(points: &[DVec3], centre: Option<DVec3>) -> Option<Start> {
 /// # Panics
 /// As [`fit_scan`].
 pub fn fit_determined<'a>(
-    field: impl Into<SensedField<'a>>,
+    field: impl Into<ScanField<'a>>,
     points: &[DVec3],
     readings_t: &[DVec3],
     centre: Option<DVec3>,
 ) -> Result<(ScanFit, FreeParameters), ScanError> {
     let field = field.into();
-    let sensor = *field.sensor();
+    let sensor = *field.exact.sensor();
     let noise_t = (sensor.deviation_t() / sensor.gain.abs()).max_element();
     let scaled_t: Vec<DVec3> =
         readings_t.iter().map(|reading_t| (*reading_t - sensor.offset_t) / sensor.gain).collect();
     let fitted = |free| fit_scan(field.clone(), points, readings_t, free, centre);
     let share = |fit: &ScanFit| fit.noise_t / root_mean_square(fit, &scaled_t);
     let is_noise = |fit: &ScanFit| match noise_t > 0.0 {
-        true => fit.noise_t <= EXPECTED_RESIDUAL * noise_t,
+        true => fit.noise_t <= KNOWN_NOISE * noise_t,
         false => share(fit) <= SMALL_RESIDUAL,
     };
     let all = fitted(FreeParameters::ALL);

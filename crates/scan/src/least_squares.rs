@@ -94,6 +94,11 @@ impl ScanFit {
         [self.sensor_axes, self.stage_axes] == [SignedAxes::SAME; 2]
     }
 
+    /// A start with the parameters of this fit.
+    pub(crate) fn start(&self) -> Start {
+        Start { sensor_axes: self.sensor_axes, stage_axes: self.stage_axes, parameters: self.parameters }
+    }
+
     /// Where the sensor was, in the frame of the tiles, at a position of the stage.
     pub fn place(&self, point: DVec3) -> DVec3 {
         self.stage_axes.apply(point) + self.parameters.start

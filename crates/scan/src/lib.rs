@@ -43,7 +43,7 @@ pub use diagnosis::{
     FittedError, NarrowedError, ScanDiagnosis, SimilarErrors,
 };
 pub use exclusion::{Exclusion, Plateau};
-pub use fit::{fit_determined, fit_scan};
+pub use fit::{KNOWN_NOISE, ScanField, fit_determined, fit_scan};
 pub use fit_error::ScanError;
 pub use least_squares::ScanFit;
 pub use parameters::{FreeParameters, ScanParameter, ScanParameters};

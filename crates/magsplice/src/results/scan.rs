@@ -6,7 +6,8 @@ use glam::DVec3;
 use magsplice_decouple::{Branch, NoPlanes, Parameters, PerParameter, uniformity_by_planes};
 use magsplice_magnet::Grid;
 use magsplice_scan::{
-    Exclusion, FreeParameters, Plateau, ScanError, ScanFit, ScanPositions, SignedAxes, fit_determined, fit_scan,
+    Exclusion, FreeParameters, KNOWN_NOISE, Plateau, ScanError, ScanField, ScanFit, ScanPositions, SignedAxes,
+    fit_determined, fit_scan,
 };
 use serde::Serialize;
 
@@ -26,13 +27,8 @@ const PLAUSIBLE_STRENGTHS: RangeInclusive<f64> = 0.5..=2.0;
 /// at most 65 uT, and offsets of magnetometers are about as large.
 const MOST_OFFSET_T: f64 = 2e-4;
 
-/// Residual over the noise of the sensor from which on the film is not as ordered. The deviation of
-/// the residuals is right to a per cent for a scan of thousands of readings, and the noise that a
-/// datasheet states to a factor of two.
-const MOST_RESIDUAL: f64 = 3.0;
-
-/// The same over the readings, where the noise of the sensor is not known. Sensors read fields to a
-/// per cent.
+/// Residual over the readings from which on the film is not as ordered, where the noise of the
+/// sensor is not known. Sensors read fields to a per cent.
 const MOST_SHARE: f64 = 0.02;
 
 /// A scan that was fitted. Its readings have numbers, such as their lines in a file.
@@ -183,9 +179,13 @@ impl Film {
         let sensed = self.sensed_field(&Grid::around(points_mm))?;
         let centre_mm = self.centre_mm();
         let is_chosen = free.is_none();
+        // With recoil the field has many times the tiles; without it, it is right to some per cent.
+        let rigid = self.recoil().map(|_| Film::rigid(self.layout().clone()));
+        let rough = rigid.as_ref().map(|rigid| rigid.sensed_field(&Grid::around(points_mm))).transpose()?;
+        let field = ScanField { exact: sensed.clone(), rough };
         let fit = match free {
-            Some(free) => fit_scan(sensed.clone(), points_mm, readings_t, free, centre_mm).map(|fit| (fit, free)),
-            None => fit_determined(sensed.clone(), points_mm, readings_t, centre_mm),
+            Some(free) => fit_scan(field, points_mm, readings_t, free, centre_mm).map(|fit| (fit, free)),
+            None => fit_determined(field, points_mm, readings_t, centre_mm),
         };
         let (fit, free) = fit.map_err(|error| match error {
             ScanError::Points(errors) => FilmError::Points(errors),
@@ -265,7 +265,7 @@ impl FilmScan {
     /// the positions are not as stated.
     pub fn excessive_residual(&self) -> Option<f64> {
         let ratio = self.residual_t / self.sensor_noise_t;
-        (self.sensor_noise_t > 0.0 && ratio > MOST_RESIDUAL).then_some(ratio)
+        (self.sensor_noise_t > 0.0 && ratio > KNOWN_NOISE).then_some(ratio)
     }
 
     /// Exchanged and reversed axes, those of a rotation too, with their remedies, one sentence each.
