@@ -195,7 +195,7 @@ fn recoil_words(error: &RefinementError, tiles: &[String]) -> String {
     match (error, tiles) {
         (RefinementError::Recoil(RecoilError::Overlap { .. }), [first, second]) => format!(
             "tiles \"{first}\" and \"{second}\" overlap, and tiles with a recoil permeability must not: move one, or \
-             remove recoil_permeability"
+             remove recoil_permeability, as from a film as made: what recoil changes is that of the film as ordered"
         ),
         (RefinementError::Recoil(RecoilError::Cell { source, .. }), [tile]) => {
             format!("tile \"{tile}\" cannot be divided into cells: {source}")

@@ -40,7 +40,7 @@ mod starts;
 
 pub use diagnosis::{
     Candidate, DetectedError, Diagnosis, DiagnosisError, DiagnosisSettings, ErrorKind, FALSE_ALARM, FieldScan,
-    FittedError, NarrowedError, ScanDiagnosis, SimilarErrors,
+    FittedError, MOST_ERRORS, NarrowedError, ScanDiagnosis, SimilarErrors,
 };
 pub use exclusion::{Exclusion, Plateau};
 pub use fit::{KNOWN_NOISE, ScanField, fit_determined, fit_scan};

@@ -8,11 +8,12 @@ use magsplice_layout::{FilmTolerance, Layout, Preset};
 use magsplice_magnet::{Quantity, Tile, TileError};
 use magsplice_scan::{
     Candidate, DetectedError, Diagnosis, DiagnosisError, DiagnosisSettings, ErrorKind, Exclusion, FieldScan,
-    FreeParameters, NarrowedError, ScanDiagnosis,
+    FreeParameters, MOST_ERRORS, NarrowedError, ScanDiagnosis,
 };
 use magsplice_sensor::Noise;
 use serde::Serialize;
 
+use super::likelier_errors::{LikelierErrors, MOST_SINGLE_ERRORS};
 use super::placed_scan::PlacedScan;
 use super::placement::{FittedScan, SensorPlacement};
 use super::scan::ExcludedReadings;
@@ -24,13 +25,6 @@ use crate::stage::Stage;
 
 /// Cosine of the angle between J and an axis of rotation from which on a turn is about J.
 const ABOUT_J: f64 = 0.99;
-
-/// Most errors of single tiles that are reported without a doubt where no errors are expected. A
-/// film with more faulty tiles is rarer than one whose tiles all have small errors.
-const MOST_SINGLE_ERRORS: usize = 3;
-
-/// Typical errors of every tile that are tried instead.
-const PRESETS_TRIED: [Preset; 2] = [Preset::Workshop, Preset::ByHand];
 
 /// The errors of tiles that a scan shows. Values are in the units of [`TileError::unit`].
 #[derive(Clone, Debug, Serialize)]
@@ -203,8 +197,9 @@ impl Film {
         let ordered = Scene::new(&tiles);
         let placed = PlacedScan::new(&ordered, points_mm, &field_t, noise_t, self.centre_mm());
         let start = placed.start(free)?;
-        let diagnosed = |expected: FilmTolerance| {
-            let settings = DiagnosisSettings { expected, free, false_alarm, ..DiagnosisSettings::default() };
+        let diagnosed = |expected: FilmTolerance, most_errors: usize| {
+            let settings =
+                DiagnosisSettings { expected, free, false_alarm, most_errors, ..DiagnosisSettings::default() };
             let failed = |error: DiagnosisError| match error {
                 DiagnosisError::Points(errors) => FilmError::Points(errors),
                 error => FilmError::Diagnosis(error),
@@ -217,7 +212,18 @@ impl Film {
             };
             model.diagnose(&field_t, show).map_err(failed)
         };
-        let mut diagnosis = diagnosed(expected)?;
+        let explained = || LikelierErrors::new(tiles.len(), &diagnosed);
+        let mut made_as = None;
+        let mut diagnosis =
+            diagnosed(expected.clone(), if has_expected_errors { MOST_ERRORS } else { MOST_SINGLE_ERRORS })?;
+        if !has_expected_errors && !diagnosis.is_complete {
+            let likelier = explained()?;
+            made_as = likelier.simpler_than(MOST_SINGLE_ERRORS + 1);
+            if made_as.is_none() {
+                diagnosis = diagnosed(expected, MOST_ERRORS)?;
+                made_as = likelier.simpler_than(diagnosis.detected.len());
+            }
+        }
         // Saturated readings were withheld as unfinished.
         for (exclusion, unusable) in diagnosis.exclusions.iter_mut().zip(&unusable) {
             *exclusion = unusable.or(*exclusion);
@@ -247,19 +253,12 @@ impl Film {
         };
         let is_residual_too_large = diagnosis.is_residual_too_large();
         let is_impossible = is_residual_too_large || !diagnosis.has_possible_errors(&tiles);
-        let made_as = if has_expected_errors || is_impossible || diagnosis.detected.len() <= MOST_SINGLE_ERRORS {
-            None
-        } else {
-            let explains = |preset: &Preset| -> Result<bool, FilmError> {
-                let of_all = diagnosed(FilmTolerance::of_tiles(&preset.errors(), tiles.len()))?;
-                let is_simpler = 2 * of_all.detected.len() < diagnosis.detected.len();
-                Ok(is_simpler && !of_all.is_residual_too_large())
-            };
-            let tried = PRESETS_TRIED.iter().map(|preset| explains(preset).map(|is_so| is_so.then_some(*preset)));
-            tried.filter_map(Result::transpose).next().transpose()?
-        };
+        let is_open = is_impossible && made_as.is_none();
+        let placement = is_open.then(|| placed.explaining(diagnosis.residual_t())).transpose()?.flatten();
+        if is_open && !has_expected_errors && placement.is_none() {
+            made_as = explained()?.simpler_than(diagnosis.detected.len() + 2);
+        }
         let is_rejected = is_impossible || made_as.is_some();
-        let placement = is_impossible.then(|| placed.explaining(diagnosis.residual_t())).transpose()?.flatten();
         let listed = if is_rejected { &[][..] } else { &diagnosis.detected };
         let similar = diagnosis.similar.iter().map(|of| SimilarPair {
             tiles: [of.first.0, of.second.0].map(name),
@@ -295,14 +294,18 @@ impl FilmDiagnosis {
     /// What speaks against the diagnosis, one sentence each.
     pub fn remarks(&self) -> Vec<String> {
         let made_as = self.made_as.map(|preset| {
+            let single = match (self.diagnosis.detected.len(), self.is_complete) {
+                (_, true) if self.is_residual_too_large => "errors of single tiles do not".to_owned(),
+                (errors, true) => format!("{errors} errors of single tiles are less likely"),
+                (errors, false) => format!("more than {errors} errors of single tiles are less likely"),
+            };
             format!(
-                "{} errors of single tiles explain the scan, and so do typical errors of every tile (preset {}), which are \
-                 likelier: no tile is reported unless errors of every tile are expected",
-                self.diagnosis.detected.len(),
+                "typical errors of every tile (preset {}) explain the scan, and {single}: no tile is reported unless errors \
+                 of every tile are expected",
                 preset.name()
             )
         });
-        let residual = self.is_residual_too_large.then(|| {
+        let residual = (self.is_residual_too_large && self.made_as.is_none()).then(|| {
             format!(
                 "chi squared of the residual is {} times its expectation: the noise is larger than specified, the tiles have \
                  other or larger errors than are expected (a preset expects errors of every tile), or the positions of the \

@@ -32,6 +32,8 @@ mod found_film;
 /// The films of a trade-off.
 #[cfg(feature = "design")]
 mod front;
+/// Typical errors of every tile that explain a scan.
+mod likelier_errors;
 /// Readings beyond the range of the sensor.
 mod out_of_range;
 /// The parts of a layout.

@@ -36,5 +36,5 @@ pub use candidate::{Candidate, ErrorKind};
 pub use error::DiagnosisError;
 pub use result::{DetectedError, Diagnosis, FittedError};
 pub use scan_diagnosis::ScanDiagnosis;
-pub use settings::{DiagnosisSettings, FALSE_ALARM, FieldScan};
+pub use settings::{DiagnosisSettings, FALSE_ALARM, FieldScan, MOST_ERRORS};
 pub use unresolved::{NarrowedError, SimilarErrors};

@@ -19,6 +19,9 @@ const LARGEST_BYTES: usize = 1 << 30;
 /// Bytes of the response of one tile at one point.
 const RESPONSE_BYTES: usize = 272;
 
+/// Number of columns whose products with all columns are computed at once.
+const BLOCK: usize = 128;
+
 /// Number of independent sums, so that a processor adds several at once.
 const LANES: usize = 8;
 
@@ -153,10 +156,7 @@ impl ScanModel {
         let old = |index: usize| before.map_or_else(Vec::new, |before| before.columns[index].clone());
         let columns: Vec<Vec<f64>> =
             fresh.into_iter().enumerate().map(|(index, column)| column.unwrap_or_else(|| old(index))).collect();
-        let gram = products(&columns, |i, j| match before {
-            Some(before) if !is_fresh[i] && !is_fresh[j] => Some(before.gram[(i, j)]),
-            _ => None,
-        });
+        let gram = products(&columns, before.map(|before| (&before.gram, &is_fresh[..])));
         let field_t = field_t.into_iter().map(|field_t| scan.reading_t(field_t)).collect();
         Ok(Linearized { state, is_used: is_used.to_vec(), field_t, columns, gram })
     }
@@ -202,7 +202,7 @@ impl Linearized {
             self.columns.iter_mut().for_each(|column| column[3 * reading..][..3].fill(0.0));
             self.is_used[reading] = false;
         }
-        let gram = products(&self.columns, |_, _| None);
+        let gram = products(&self.columns, None);
         Linearized { gram, ..self }
     }
 }
@@ -215,13 +215,26 @@ fn scale_strength(error: TileError, errors: &PerTileError<f64>, change_t: &mut [
     }
 }
 
-/// The products of all pairs of columns. `known` gives products already computed.
-fn products(columns: &[Vec<f64>], known: impl Fn(usize, usize) -> Option<f64> + Sync) -> DMatrix<f64> {
-    let rows: Vec<Vec<f64>> = (0..columns.len())
-        .into_par_iter()
-        .map(|i| (0..=i).map(|j| known(i, j).unwrap_or_else(|| dot(&columns[i], &columns[j]))).collect())
-        .collect();
-    DMatrix::from_fn(columns.len(), columns.len(), |i, j| rows[i.max(j)][i.min(j)])
+/// The products of all pairs of columns. `known` are earlier products, and which columns have
+/// changed since.
+fn products(columns: &[Vec<f64>], known: Option<(&DMatrix<f64>, &[bool])>) -> DMatrix<f64> {
+    let is_changed = |index: &usize| known.is_none_or(|(_, is_changed)| is_changed[*index]);
+    let changed: Vec<usize> = (0..columns.len()).filter(is_changed).collect();
+    let rows = columns.first().map_or(0, Vec::len);
+    let all = DMatrix::from_iterator(rows, columns.len(), columns.iter().flatten().copied());
+    // Blocks of a fixed size give the same products for any number of threads.
+    let block = |some: &[usize]| {
+        let values = some.iter().flat_map(|index| columns[*index].iter().copied());
+        DMatrix::from_row_iterator(some.len(), rows, values) * &all
+    };
+    let blocks: Vec<DMatrix<f64>> = changed.par_chunks(BLOCK).map(block).collect();
+    let mut products = known.map_or_else(|| DMatrix::zeros(columns.len(), columns.len()), |(known, _)| known.clone());
+    for (place, &index) in changed.iter().enumerate() {
+        let row = blocks[place / BLOCK].row(place % BLOCK);
+        products.set_column(index, &row.transpose());
+        products.set_row(index, &row);
+    }
+    products
 }
 
 /// The scalar product, in an order that depends on the length alone.

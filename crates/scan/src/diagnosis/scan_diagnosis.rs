@@ -96,7 +96,8 @@ impl ScanDiagnosis {
         let (model, unknowns) = (&self.model, &self.model.unknowns);
         let ln_limit = self.naming_probability().ln();
         let candidates = &self.candidates;
-        let search = Search { model, readings_t, candidates, unusable: unusable.len(), ln_limit };
+        let most_errors = self.settings.most_errors;
+        let search = Search { model, readings_t, candidates, unusable: unusable.len(), ln_limit, most_errors };
         let found = search.run(&nominal, watch)?;
         for (exclusion, is_used) in exclusions.iter_mut().zip(&found.at.is_used) {
             *exclusion = exclusion.or_else(|| (!is_used).then_some(Exclusion::Outlier));

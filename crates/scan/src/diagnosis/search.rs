@@ -11,7 +11,7 @@ use crate::diagnosis::prior_fit::{PriorFit, Score};
 use crate::diagnosis::result::DetectedError;
 use crate::fit::{DEVIATION_OVER_MEDIAN, MOST_OUTLIERS, OUTLIER};
 
-/// Fall of the sum of squares, in units of the variance of the noise, below which Gauss-Newton
+/// Fall of the sum of squares, in units of the variance of the residuals, below which Gauss-Newton
 /// steps end. Errors then change by a thirtieth of their standard deviation.
 const LEAST_GAIN: f64 = 1e-3;
 
@@ -21,9 +21,9 @@ const MOST_STEPS: usize = 20;
 /// Largest number of halvings of a step.
 const MOST_HALVINGS: usize = 12;
 
-/// Largest number of identified errors. A film with more is another film, or its tiles have
-/// unspecified expected errors. Each further error would take longer than the error before.
-const MOST_NAMED: usize = 16;
+/// Number of exchanges for each identified error after which errors are added again. Where errors of
+/// single tiles do not explain a scan, each set of them may seem better than the set before.
+const MOST_EXCHANGES: usize = 2;
 
 /// Logarithm of the ratio of probabilities, a thousand, up to which another error is an alternative
 /// to an identified error.
@@ -41,6 +41,7 @@ pub(crate) struct Search<'a> {
     pub(crate) unusable: usize,
     /// The logarithm of the probability below which an error is identified.
     pub(crate) ln_limit: f64,
+    pub(crate) most_errors: usize,
 }
 
 /// The model at the found errors.
@@ -76,6 +77,7 @@ impl Search<'_> {
         if let Some(admitted) = self.with_unsuspicious(&at, &compared, &usable)? {
             (at, compared) = self.converged(admitted, &deviations(&detected))?;
         }
+        let mut exchanges = 0;
         let is_complete = loop {
             watch(detected.len());
             let wild = self.wild(&at, &compared, &detected)?;
@@ -85,8 +87,10 @@ impl Search<'_> {
                 visited = vec![sorted(&detected)];
                 continue;
             }
-            let Some(next) = self.next(&at, &compared, &detected, &visited)? else { break true };
-            if next.len() > MOST_NAMED {
+            let may_exchange = exchanges < MOST_EXCHANGES * detected.len();
+            let Some(next) = self.next(&at, &compared, &detected, &visited, may_exchange)? else { break true };
+            exchanges = if next.len() == detected.len() { exchanges + 1 } else { 0 };
+            if next.len() > self.most_errors {
                 break false;
             }
             detected = next;
@@ -126,6 +130,7 @@ impl Search<'_> {
         compared: &Compared,
         detected: &[Candidate],
         visited: &[Vec<Candidate>],
+        may_exchange: bool,
     ) -> Result<Option<Vec<Candidate>>, DiagnosisError> {
         let is_new = |errors: &[Candidate]| !visited.contains(&sorted(errors));
         let mut weakest: Option<(Candidate, f64)> = None;
@@ -136,7 +141,7 @@ impl Search<'_> {
             if own > self.ln_limit && weakest.is_none_or(|(_, least)| own > least) {
                 weakest = Some((*error, own));
             }
-            for (other, score) in scores.iter().filter(|(other, _)| other != error) {
+            for (other, score) in scores.iter().filter(|(other, _)| may_exchange && other != error) {
                 let gain = own - score.ln_probability;
                 if gain > 0.0 && exchange.as_ref().is_none_or(|(_, most)| gain > *most) {
                     let exchanged: Vec<Candidate> = rest(detected, *error).into_iter().chain([*other]).collect();
@@ -276,13 +281,14 @@ impl Search<'_> {
             compared.chi_squared + values.iter().zip(deviations).map(prior).sum::<f64>()
         };
         let mut compared = self.model.compared(&at, self.readings_t);
+        let readings = (3 * is_used.iter().filter(|is_used| **is_used).count()) as f64;
         for _ in 0..MOST_STEPS {
             let fit = PriorFit::new(&at.gram, &compared.projected, deviations)?;
-            if fit.gain(&values) < LEAST_GAIN {
+            let now = objective(&compared, &values);
+            if fit.gain(&values) < LEAST_GAIN * (now / readings).max(1.0) {
                 break;
             }
             let step = &fit.estimate - &values;
-            let now = objective(&compared, &values);
             let mut share = 1.0;
             let better = (0..MOST_HALVINGS).find_map(|_| {
                 let next = &values + &step * share;

@@ -9,6 +9,11 @@ use crate::parameters::FreeParameters;
 /// for normal noise of the stated deviation.
 pub const FALSE_ALARM: f64 = 0.002;
 
+/// Default of the largest number of identified errors. A film with more is another film, or its
+/// tiles have unspecified expected errors. Each further error would take longer than the error
+/// before.
+pub const MOST_ERRORS: usize = 16;
+
 /// The positions and the noise of a scan.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FieldScan {
@@ -32,6 +37,8 @@ pub struct DiagnosisSettings {
     /// Probability that any tile of a film without errors beyond the expected errors is reported.
     /// Default: [`FALSE_ALARM`].
     pub false_alarm: f64,
+    /// Number of identified errors after which the search ends. Default: [`MOST_ERRORS`].
+    pub most_errors: usize,
 }
 
 impl Default for DiagnosisSettings {
@@ -41,6 +48,7 @@ impl Default for DiagnosisSettings {
             prior: Preset::ByHand.errors(),
             free: FreeParameters::NONE,
             false_alarm: FALSE_ALARM,
+            most_errors: MOST_ERRORS,
         }
     }
 }
