@@ -1,7 +1,7 @@
 //! `[sensor]`: the three-axis Hall sensor below the film.
 
 use glam::{DQuat, DVec3};
-use magsplice_magnet::{Axis, HallSensor};
+use magsplice_magnet::{Axis, GAIN_MAGNITUDES, HallSensor};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -101,8 +101,10 @@ type AxisKey<'k> = (&'static str, ErrorUnit, Rule, &'k mut Option<OneOrThree>, &
 /// Number of the first keys for which parts have numbers of their own.
 const OF_PARTS: usize = 3;
 
-const NOT_ZERO: Rule =
-    Rule { is_kept: |gain| gain.is_finite() && gain != 0.0, words: "must be a finite number other than 0" };
+const GAIN: Rule = Rule {
+    is_kept: |gain| GAIN_MAGNITUDES.contains(&gain.abs()),
+    words: "must be from 1e-6 to 1e6, or from -1e6 to -1e-6",
+};
 
 impl SensorTable {
     fn keys<'k>(&'k mut self, element: &'k mut HallSensor) -> [AxisKey<'k>; 5] {
@@ -111,7 +113,7 @@ impl SensorTable {
             ("noise_ut", ut, NOT_NEGATIVE, &mut self.noise_ut, &mut element.noise_t),
             ("count_ut", ut, NOT_NEGATIVE, &mut self.count_ut, &mut element.count_t),
             ("range_mt", mt, POSITIVE, &mut self.range_mt, &mut element.range_t),
-            ("gain", ErrorUnit::Fraction, NOT_ZERO, &mut self.gain, &mut element.gain),
+            ("gain", ErrorUnit::Fraction, GAIN, &mut self.gain, &mut element.gain),
             ("offset_ut", ut, FINITE, &mut self.offset_ut, &mut element.offset_t),
         ]
     }

@@ -2,10 +2,14 @@
 
 use std::error::Error;
 use std::fmt;
+use std::ops::RangeInclusive;
 
 use glam::{DQuat, DVec3};
 
 use crate::tolerances::{MAX_LENGTH, UNIT_NORM_TOLERANCE};
+
+/// Magnitudes of the gain of a sensor: the reading is as finite as the field.
+pub const GAIN_MAGNITUDES: RangeInclusive<f64> = 1e-6..=1e6;
 
 /// A three-axis Hall sensor. One plate per axis reads the component of B along this axis, averaged
 /// over the plate. The default sensor is perfect: plates are points, without errors or limits.
@@ -68,7 +72,7 @@ pub enum HallSensorFault {
     ActiveArea,
     /// The rotation is not a unit quaternion.
     Rotation,
-    /// A gain is 0 or not finite.
+    /// The magnitude of a gain is not one of [`GAIN_MAGNITUDES`].
     Gain,
     /// An offset is not finite.
     Offset,
@@ -92,7 +96,7 @@ impl HallSensor {
             (self.plates.iter().all(|plate| plate.abs().cmple(DVec3::splat(MAX_LENGTH)).all()), HallSensorFault::Plate),
             (self.active_area.into_iter().all(is_length), HallSensorFault::ActiveArea),
             ((self.rotation.length() - 1.0).abs() <= UNIT_NORM_TOLERANCE, HallSensorFault::Rotation),
-            (self.gain.is_finite() && self.gain.cmpne(DVec3::ZERO).all(), HallSensorFault::Gain),
+            (self.gain.abs().to_array().iter().all(|gain| GAIN_MAGNITUDES.contains(gain)), HallSensorFault::Gain),
             (self.offset_t.is_finite(), HallSensorFault::Offset),
             (not_negative(self.noise_t), HallSensorFault::Noise),
             (not_negative(self.count_t), HallSensorFault::Count),
@@ -130,7 +134,9 @@ impl fmt::Display for HallSensorFault {
             HallSensorFault::Plate => "the plates of a sensor must have finite positions",
             HallSensorFault::ActiveArea => "the sides of an active area must be finite and at least 0",
             HallSensorFault::Rotation => "the rotation of a sensor must be a unit quaternion",
-            HallSensorFault::Gain => "the gains of a sensor must be finite and not 0",
+            HallSensorFault::Gain => {
+                "the gains of a sensor must be from 1e-6 to 1e6, or negative ones from -1e6 to -1e-6"
+            }
             HallSensorFault::Offset => "the offsets of a sensor must be finite",
             HallSensorFault::Noise => "the noise of a sensor must be finite and at least 0",
             HallSensorFault::Count => "the counts of a sensor must be finite and at least 0",

@@ -142,6 +142,11 @@ impl<'a> MeasuredBox<'a> {
         self.names.len()
     }
 
+    /// Number of parts of the layout.
+    pub fn part_count(&self) -> usize {
+        self.parts.len()
+    }
+
     /// Whether the sides of any tile differ from the sides of its part.
     pub fn has_sizes(&self) -> bool {
         self.has_sizes

@@ -18,14 +18,14 @@ def test_experiments_find_the_displacement(published):
     assert not found.saturated.any()
     table = polars.DataFrame(found)
     assert table.columns[:4] == ["step", "film_dx_mm", "film_dy_mm", "film_dz_mm"]
-    assert table["bx_t"].to_list() == found.reading_t[:, 0].tolist()
+    assert table["bx_t"].to_list() == found.readings_t[:, 0].tolist()
     bare = published.experiment(1.0)
     assert bare.force_n is None
     assert bare.readings < found.readings
     turned = published.experiment(1.0, rotation_deg=(0, 1, 0), bend_radius_mm=100)
-    assert not np.allclose(turned.reading_t, bare.reading_t, rtol=1e-3)
+    assert not np.allclose(turned.readings_t, bare.readings_t, rtol=1e-3)
     flat = published.experiment(1.0, heights_mm=[[x, y, 0] for x in (-20, 20) for y in (-20, 20)])
-    np.testing.assert_allclose(flat.reading_t, bare.reading_t, rtol=1e-9)
+    np.testing.assert_allclose(flat.readings_t, bare.readings_t, rtol=1e-9)
 
 
 def test_experiments_refuse_impossible_films(published):

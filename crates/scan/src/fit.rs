@@ -38,8 +38,8 @@ const SMALL_RESIDUAL: f64 = 0.01;
 /// factor of two.
 pub const KNOWN_NOISE: f64 = 2.0;
 
-/// Differences of strength, and rotation in radians, of a fit close to the perfect scan. Its residual
-/// may be that of a film as made.
+/// Differences of strength, and rotation in radians, of a fit close to the perfect scan. Its
+/// residual may be that of a film as made.
 const CLOSE: f64 = 0.3;
 
 /// Residual of a fit from another start, over the residual from a perfect scan, above which the

@@ -34,8 +34,8 @@ const SHORTEST_STEP: f64 = 1e-12;
 /// reported as part of it.
 const LEAST_PART: f64 = 0.3;
 
-/// Standard deviation of a scaled parameter above which the readings do not determine it: 0.3 rad, or
-/// 30 % of the strength. Steps of this size leave the region where the model is linear.
+/// Standard deviation of a scaled parameter above which the readings do not determine it: 0.3 rad,
+/// or 30 % of the strength. Steps of this size leave the region where the model is linear.
 const MOST_DEVIATION: f64 = 0.3;
 
 /// Residual of a film as made, over the root mean square of the readings: a few per cent, at most.
@@ -193,8 +193,8 @@ impl<'a> Scan<'a> {
     /// deviation of the residuals.
     ///
     /// # Errors
-    /// Names the parameters that the readings do not determine: where the model holds, and the
-    /// residuals leave a parameter as large a deviation as takes the steps out of the linear region.
+    /// Names the parameters that the readings do not determine: the model holds, and the residuals
+    /// leave a parameter a deviation beyond the region where it is linear.
     fn determined(&self, at: &Linearized, exclusions: &[Option<Exclusion>]) -> Result<(Matrix, f64), ScanError> {
         let kept = exclusions.iter().filter(|exclusion| exclusion.is_none()).count();
         let freedom = (3 * kept).saturating_sub(self.free.count()).max(1);

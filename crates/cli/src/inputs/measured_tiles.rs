@@ -38,9 +38,11 @@ struct Columns {
 /// A tile without a measured magnetization cannot be assigned: it is left out, which `tell` prints.
 pub(crate) fn read(path: &Path, layout: &Layout, tell: &dyn Fn(&str)) -> Result<MeasuredTiles, Failure> {
     let fit = |names: &[String]| TILE.fit(names).min(magnet_columns::fit(names));
-    let rows = Rows::open(path, FORM, "tile,part,jx_t,jy_t,jz_t", None, fit, columns)?;
-    let ignored = rows.ignored.clone();
     let mut measured = MeasuredBox::new(layout);
+    let parts = measured.part_count();
+    let find = |finder: &mut Finder| columns(finder, parts);
+    let rows = Rows::open(path, FORM, "tile,part,jx_t,jy_t,jz_t", None, fit, find)?;
+    let ignored = rows.ignored.clone();
     let mut lines = HashMap::new();
     rows.read_all(tell, |columns, cells| {
         let name = cells.text(columns.tile).to_owned();
@@ -56,10 +58,15 @@ pub(crate) fn read(path: &Path, layout: &Layout, tell: &dyn Fn(&str)) -> Result<
 }
 
 /// Finds the columns, or adds all that is wrong with the names.
-fn columns(finder: &mut Finder) -> Option<Columns> {
+fn columns(finder: &mut Finder, parts: usize) -> Option<Columns> {
     let tile = finder.required(&TILE).map(|[column]| column);
     let part = finder.column(&text("part", &["part", "kind"]));
     let size = finder.group(&SIZE);
+    if part.is_none() && size.is_none() && parts > 1 {
+        finder.fault(format!(
+            "no column part with the part of each tile, 1 to {parts} as `magsplice tiles` lists them, or columns of sizes"
+        ));
+    }
     let magnet = magnet_columns::find(finder, MagnetForm::Any);
     Some(Columns { tile: tile?, part, size, magnet: magnet? })
 }

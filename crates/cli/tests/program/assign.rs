@@ -363,6 +363,17 @@ fn wrong_tables_are_refused_by_line() {
         with(2, text);
         run(&[]).refuses(message);
     }
+    let without: Vec<String> = lines
+        .iter()
+        .map(|line| line.split(',').enumerate().filter(|(n, _)| *n != 1))
+        .map(|cells| cells.map(|(_, cell)| cell).collect::<Vec<_>>().join(","))
+        .collect();
+    sandbox.write("tiles.csv", &without.join("\n"));
+    let said = run(&[]);
+    said.refuses(
+        "line 1: no column part with the part of each tile, 1 to 3 as `magsplice tiles` lists them, or columns",
+    );
+    assert_eq!(said.stderr.lines().count(), 1, "{}", said.stderr);
     with(3, lines[1]);
     run(&[]).refuses("line 3: tile \"1-1\" is in line 2 already");
     let [x, y, z] = cut[0].j_t;

@@ -106,7 +106,7 @@ fn wrong_values_are_named_with_their_rule() {
         "noise_ut[1] = -1, must be a finite number of at least 0",
         "count_ut = -2, must be a finite number of at least 0",
         "range_mt = 0, must be a finite number greater than 0",
-        "gain[1] = 0, must be a finite number other than 0",
+        "gain[1] = 0, must be from 1e-6 to 1e6, or from -1e6 to -1e-6",
         "offset_ut = NaN, must be a finite number",
         "active_area_mm[1] = -0.2, must be a finite number of at least 0",
         "rate_hz = 0, must be a finite number greater than 0",

@@ -116,7 +116,7 @@ impl FilmExperiments {
         };
         let mut columns = vec![
             column("film_mm", &["film_dx_mm", "film_dy_mm", "film_dz_mm"], &|step| Some(step.displacement)),
-            column("reading_t", &["bx_t", "by_t", "bz_t"], &|step| Some(step.reading_t)),
+            column("readings_t", &["bx_t", "by_t", "bz_t"], &|step| Some(step.reading_t)),
             column("found_mm", &["found_dx_mm", "found_dy_mm", "found_dz_mm"], &|step| step.by_field),
         ];
         if self.has_ideal {

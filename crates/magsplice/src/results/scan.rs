@@ -268,7 +268,7 @@ impl FilmScan {
         (self.sensor_noise_t > 0.0 && ratio > KNOWN_NOISE).then_some(ratio)
     }
 
-    /// Exchanged and reversed axes, those of a rotation too, with their remedies, one sentence each.
+    /// Exchanged and reversed axes, those of a rotation too, with remedies, one sentence each.
     pub fn exchanged_axes(&self) -> Vec<String> {
         let of_sensor = (self.sensor_axes != SignedAxes::SAME)
             .then(|| format!("axes of the sensor: {}: {}", self.sensor_axes, self.sensor_axes.remedy()));

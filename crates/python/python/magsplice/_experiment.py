@@ -24,7 +24,7 @@ class Experiment(OfFilm, Table):
 
     readings: int = key("Number of readings.")
     film_mm: Floats = key("Displacement of the film, in millimetres, shape (n, 3).")
-    reading_t: Floats = key("Readings, in tesla, shape (n, 3).")
+    readings_t: Floats = key("Readings, in tesla, shape (n, 3).")
     found_mm: Floats = key(
         "Displacement of the film by the field of the layout, in millimetres, shape (n, 3)."
     )

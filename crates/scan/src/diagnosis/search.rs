@@ -21,8 +21,8 @@ const MOST_STEPS: usize = 20;
 /// Largest number of halvings of a step.
 const MOST_HALVINGS: usize = 12;
 
-/// Number of exchanges for each identified error after which errors are added again. Where errors of
-/// single tiles do not explain a scan, each set of them may seem better than the set before.
+/// Number of exchanges for each identified error after which errors are added again. Where errors
+/// of single tiles do not explain a scan, each set of them may seem better than the set before.
 const MOST_EXCHANGES: usize = 2;
 
 /// Logarithm of the ratio of probabilities, a thousand, up to which another error is an alternative
