@@ -4,8 +4,6 @@
 mod budget;
 /// The rules of `docs/design.md` for the designed films.
 mod designed;
-/// Endless splicing patterns, against very large films.
-mod endless_pattern;
 /// The published film against its expectations, and changed films against them.
 mod expectations;
 /// Errors to first order, against exact samples.

@@ -178,3 +178,125 @@ fn most_saving<T>(all: impl Iterator<Item = Halving<T>>) -> Vec<Halving<T>> {
     saving.sort_by(|a, b| sum(b).total_cmp(&sum(a)));
     saving
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    use glam::DVec3;
+    use magsplice_layout::{Distribution, TileErrors};
+    use magsplice_magnet::{Grid, Tile};
+
+    use super::*;
+    use crate::endless::EndlessPattern;
+
+    fn volume() -> EvaluationGrid {
+        let grid = Grid::new(DVec3::new(-1.0, -1.0, -5.0), DVec3::new(1.0, 1.0, -3.0), [2, 3, 2]).unwrap();
+        EvaluationGrid { grid, reference: DVec3::new(0.0, 0.1, -4.5) }
+    }
+
+    fn ideal() -> IdealFilm {
+        IdealFilm::new(10.0, 1.0, 0.12).unwrap()
+    }
+
+    /// Two tiles with errors, the second with larger ones, and a third without, which save nothing.
+    fn film() -> RealFilm {
+        let tile = |x: f64, y: f64| {
+            Tile::new(DVec3::new(x, y, 0.5), DVec3::new(4.0, 4.0, 1.0), DVec3::new(0.1 * x.signum(), 0.01 * y, 0.0))
+        };
+        let tiles = [tile(-2.5, -2.0), tile(2.5, -2.5), tile(2.0, 2.5)].map(Result::unwrap);
+        let errors = |deviation: f64| TileErrors {
+            position: [deviation; 3].map(Distribution::normal),
+            strength: Distribution::normal(0.5 * deviation),
+            ..TileErrors::default()
+        };
+        let mut tolerance = FilmTolerance {
+            tiles: vec![errors(0.01), errors(0.03), TileErrors::default()],
+            ..FilmTolerance::default()
+        };
+        tolerance.common.sensor.offset_t = [1e-5; 3].map(Distribution::normal);
+        RealFilm::new(&tiles, &tolerance)
+    }
+
+    fn pattern() -> Figures {
+        EndlessPattern::new(film().tiles(), &ideal()).unwrap().errors(&volume()).unwrap()
+    }
+
+    fn sum(saved_mm2: [f64; 3]) -> f64 {
+        saved_mm2.iter().sum()
+    }
+
+    #[test]
+    fn budget_has_the_parts_of_the_model_and_of_the_pattern() {
+        let (model, pattern) = (FirstOrder::new(&film(), &volume(), &ideal()).unwrap(), pattern());
+        let budget = Budget::new(&model, Some(&pattern));
+        let errors = [0, 1, 2].map(|axis| model.axis_errors(axis));
+        for (axis, (found, known)) in budget.axes.iter().zip(&errors).enumerate() {
+            assert_eq!((found.nominal_mm2, found.total_mm2), (known.nominal_mm2, known.expected_mm2));
+            assert_eq!(found.causes, known.shares);
+            let pattern_mm2 = pattern.displacement_rmse_mm.to_array()[axis].powi(2);
+            assert_eq!(found.pattern_mm2, Some(pattern_mm2));
+            assert_eq!(found.finite_film_mm2(), Some(found.nominal_mm2 - pattern_mm2));
+            assert!(found.together_mm2().abs() < 1e-12 * found.total_mm2, "{found:?}");
+        }
+        assert_eq!(budget.tiles.iter().map(|halving| halving.of).collect::<Vec<_>>(), [1, 0]);
+        for halving in &budget.tiles {
+            assert_eq!(halving.saved_mm2, errors.each_ref().map(|axis| axis.tiles[halving.of].saved_by_halving_mm2));
+        }
+        assert_eq!(budget.causes.len(), 4);
+        assert!(budget.causes.windows(2).all(|pair| sum(pair[0].saved_mm2) >= sum(pair[1].saved_mm2)));
+        for halving in &budget.causes {
+            let share = |axis: &AxisErrors| *axis.shares.iter().find(|share| share.cause == halving.of).unwrap();
+            assert_eq!(halving.saved_mm2, errors.each_ref().map(|axis| share(axis).contribution.saved_by_halving_mm2));
+        }
+        let unknown = Budget::new(&model, None);
+        assert!(unknown.axes.iter().all(|axis| axis.pattern_mm2.is_none() && axis.finite_film_mm2().is_none()));
+    }
+
+    /// Each contribution is the mean square with one cause alone, without the nominal one, and
+    /// halving saves three quarters of it.
+    #[test]
+    fn sampled_budget_has_the_mean_squares_of_each_cause_alone() {
+        let (film, volume, ideal, seed, samples) = (film(), volume(), ideal(), 5, 3..7);
+        let begun = AtomicUsize::new(0);
+        let count = || _ = begun.fetch_add(1, Ordering::Relaxed);
+        let budget =
+            Budget::from_samples(&film, &volume, &ideal, Some(&pattern()), seed, samples.clone(), count).unwrap();
+        let mean_squares = |tolerance: &FilmTolerance| {
+            let film = RealFilm::new(film.tiles(), tolerance);
+            let sampler = Sampler::new(&film, &volume, &ideal, seed).unwrap();
+            let errors: Vec<Figures> = samples.clone().map(|sample| sampler.errors_of(sample).unwrap()).collect();
+            [0, 1, 2].map(|axis| {
+                errors.iter().map(|errors| errors.displacement_rmse_mm.to_array()[axis].powi(2)).sum::<f64>() / 4.0
+            })
+        };
+        let (nominal, total) = (mean_squares(&FilmTolerance::default()), mean_squares(film.tolerance()));
+        let alone = each_alone(film.tolerance());
+        assert_eq!(begun.into_inner(), 1 + 4 + 4 * alone.len());
+        assert!(budget.tiles.is_empty());
+        for (axis, found) in budget.axes.iter().enumerate() {
+            let agrees = |found: f64, known: f64| (found - known).abs() < 1e-12 * total[axis];
+            assert!(agrees(found.nominal_mm2, nominal[axis]) && agrees(found.total_mm2, total[axis]), "{found:?}");
+            assert!(found.pattern_mm2.is_some());
+            let mut rest = total[axis] - nominal[axis];
+            assert_eq!(found.causes.len(), alone.len());
+            for (share, (cause, tolerance)) in found.causes.iter().zip(&alone) {
+                let known = mean_squares(tolerance)[axis] - nominal[axis];
+                rest -= known;
+                assert_eq!((share.cause, share.contribution.fixed_mm2), (*cause, 0.0));
+                assert!(agrees(share.contribution.variance_mm2, known), "{share:?}, not {known}");
+                assert!(agrees(share.contribution.saved_by_halving_mm2, 0.75 * known), "{share:?}");
+            }
+            assert!(agrees(found.together_mm2(), rest), "{rest}");
+        }
+    }
+
+    /// The largest sum over the axes first; equal ones keep their order, also if their sums differ
+    /// by rounding. What saves nothing is left out.
+    #[test]
+    fn largest_savings_are_first() {
+        let saved = [[1.0, 0.0, 0.0], [0.0; 3], [1.0, 1.0, 1.0], [-1.0, 0.0, 0.0], [0.5, 0.5, 1e-15], [2.0, -0.5, 0.0]];
+        let all = saved.into_iter().enumerate().map(|(of, saved_mm2)| Halving { of, saved_mm2 });
+        assert_eq!(most_saving(all).iter().map(|halving| halving.of).collect::<Vec<_>>(), [2, 5, 0, 4]);
+    }
+}

@@ -142,6 +142,16 @@ mod tests {
         let [x, y, z] = &errors.position;
         assert_ne!(later.common(4 * TileError::ALL.len(), [x, y, z]), position);
         assert_ne!(later.noise_t(4 * TileError::ALL.len() / 3, &errors.position).to_array(), position);
+        // The first place of each differs too.
+        let first = [
+            later.of_tile(0, &errors).position,
+            later.of_group(0, &errors).position,
+            later.common(0, [x, y, z]),
+            later.noise_t(0, &errors.position).to_array(),
+        ];
+        for (number, place) in first.iter().enumerate() {
+            assert!(first[..number].iter().all(|other| other != place), "{first:?}");
+        }
     }
 
     /// Mean and mean square of n normal deviates scatter about 0 and 1 by 1 and 2^1/2 over the root

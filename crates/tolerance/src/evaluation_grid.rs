@@ -86,3 +86,47 @@ pub enum SampleError {
         bytes: Option<usize>,
     },
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The amplitude is the factor of the ideal field with the least squares, here with a uniform
+    /// field besides. The ideal film itself has no errors.
+    #[test]
+    fn amplitude_is_the_fitted_factor_of_the_ideal_field() {
+        let ideal = IdealFilm::new(10.0, 1.0, 0.12).unwrap();
+        let grid = Grid::new(DVec3::new(-1.5, -1.0, -5.0), DVec3::new(1.0, 1.5, -3.0), [3, 4, 2]).unwrap();
+        let volume = EvaluationGrid { grid, reference: DVec3::new(0.0, 0.0, -4.5) };
+        let ideal_t: Vec<DVec3> = grid.points().map(|point| ideal.flux_density_t(point).unwrap()).collect();
+        let at_reference_t = ideal.flux_density_t(volume.reference).unwrap();
+        let scaled: Vec<DVec3> = ideal_t.iter().map(|b_t| 0.9 * *b_t).collect();
+        let found = volume.figures(&scaled, 0.9 * at_reference_t, &ideal).unwrap();
+        assert!((found.amplitude - 0.9).abs() < 1e-15, "{found:?}");
+        assert!(found.displacement_rmse_mm.to_array().iter().all(|error| *error < 1e-12), "{found:?}");
+
+        let other_t = DVec3::new(1e-3, 2e-3, -3e-3);
+        let with: Vec<DVec3> = scaled.iter().map(|b_t| *b_t + other_t).collect();
+        let squares = |amplitude: f64| -> f64 {
+            with.iter().zip(&ideal_t).map(|(b_t, ideal_t)| (*b_t - amplitude * *ideal_t).length_squared()).sum()
+        };
+        let amplitude = volume.figures(&with, 0.9 * at_reference_t, &ideal).unwrap().amplitude;
+        assert!(squares(amplitude) < squares(amplitude - 1e-4).min(squares(amplitude + 1e-4)));
+        assert!(squares(amplitude) < squares(0.9));
+    }
+
+    #[test]
+    fn fields_without_parameters_are_errors() {
+        let ideal = IdealFilm::new(10.0, 1.0, 0.12).unwrap();
+        let at = |z: f64| {
+            let (lower, upper) = (DVec3::new(-0.5, 0.0, z), DVec3::new(0.5, 0.0, z));
+            EvaluationGrid { grid: Grid::new(lower, upper, [2, 1, 1]).unwrap(), reference: DVec3::new(0.0, 0.0, -4.5) }
+        };
+        let found = at(-4.0).figures(&[DVec3::Z, DVec3::X], DVec3::Z, &ideal);
+        assert_eq!(found, Err(SampleError::Singular { points: vec![DVec3::new(0.5, 0.0, -4.0)] }));
+        assert!(at(-4.0).figures(&[DVec3::Z; 2], DVec3::X, &ideal).is_err());
+        assert!(at(4.0).figures(&[DVec3::Z; 2], DVec3::Z, &ideal).is_err());
+        let bytes = |bytes| SampleError::TooLarge { bytes }.to_string();
+        assert!(bytes(Some(12)).contains("need 12 bytes;") && bytes(None).contains("need more bytes than"));
+    }
+}

@@ -102,3 +102,164 @@ impl FilmSample {
         (0..readings).map(|reading| draws.noise_t(reading, &noise_t)).collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use magsplice_field::Scene;
+    use magsplice_ideal::IdealFilm;
+    use magsplice_layout::{
+        CommonErrors, FilmPose, FilmTolerance, Neighbour, SensorErrors, StrayField, Temperature, TileErrors,
+    };
+    use magsplice_magnet::{Grid, Quantity};
+
+    use super::*;
+    use crate::evaluation_grid::EvaluationGrid;
+    use crate::sampler::Sampler;
+    use crate::weakening::Weakening;
+
+    fn tile(position: [f64; 3], j_t: [f64; 3]) -> Tile {
+        Tile::new(position.into(), DVec3::new(3.0, 2.0, 1.0), j_t.into()).expect("a tile")
+    }
+
+    fn field_t(scenes: &[Scene], place: DVec3) -> DVec3 {
+        scenes.iter().map(|scene| scene.field(Quantity::FluxDensity, place).expect("outside")).sum()
+    }
+
+    fn tolerance(position_mm: f64) -> FilmTolerance {
+        let normal = Distribution::normal;
+        let three = |deviation: f64| [normal(deviation), normal(deviation), normal(2.0 * deviation)];
+        let errors = TileErrors { position: three(0.05), strength: normal(0.05), ..TileErrors::default() };
+        let neighbour = Neighbour {
+            tiles: vec![tile([15.0, 0.0, 0.5], [0.0, 0.0, 0.3])],
+            layout: "beside.toml".to_owned(),
+            position_mm: [15.0, 0.0, 0.0],
+            rotation: None,
+            later: true,
+        };
+        FilmTolerance {
+            common: CommonErrors {
+                film: FilmPose { position_mm: three(position_mm), rotation_rad: three(0.1 * position_mm) },
+                stray_field: Some(StrayField { field_t: three(1e-4), later: true, ..StrayField::default() }),
+                neighbour: Some(neighbour),
+                temperature: Some(Temperature { change_k: normal(20.0), strength_per_k: -0.001 }),
+                sensor: SensorErrors {
+                    offset_t: three(1e-4),
+                    rotation_rad: three(0.05),
+                    gain: three(0.05),
+                    noise_t: three(1e-4),
+                },
+            },
+            ..FilmTolerance::of_tiles(&errors, 2)
+        }
+    }
+
+    /// The parts of a sample give the readings of the sampler, with recoil too: there, the field
+    /// that the means leave out is taken to first order, so that it is exact for a film in its
+    /// place, and within the square of 0.1 mm over 10 mm for a film that has moved.
+    #[test]
+    fn parts_of_a_sample_give_its_readings() {
+        let tiles = [tile([-2.0, 0.3, 0.5], [-0.3, 0.1, 0.0]), tile([2.0, 0.0, 0.5], [0.3, 0.0, 0.1])];
+        let means = [tile([-2.0, 0.3, 0.5], [-0.27, 0.1, 0.01]), tile([2.0, 0.0, 0.5], [0.28, 0.01, 0.1])];
+        let remainder = || Scene::new(&[tile([0.0, 0.0, 7.0], [0.3, 0.4, 0.5])]);
+        let lower = DVec3::new(-1.0, -1.0, -5.0);
+        let grid = Grid::new(lower, DVec3::new(1.0, 1.0, -3.0), [2, 2, 2]).expect("a grid");
+        let volume = EvaluationGrid { grid, reference: DVec3::new(0.0, 0.1, -4.0) };
+        let ideal = IdealFilm::new(10.0, 1.0, 0.12).expect("a film");
+        let largest_remainder_t = field_t(&[remainder()], DVec3::new(0.0, 0.0, -3.0)).length();
+        for (position_mm, recoil, allowed_t) in
+            [(0.1, false, 1e-15), (0.0, true, 1e-15), (0.1, true, 10.0 * 0.03_f64.powi(2) * largest_remainder_t)]
+        {
+            let tolerance = tolerance(position_mm);
+            let film = RealFilm::new(&tiles, &tolerance);
+            let film = match recoil {
+                true => film.with_weakening(Weakening::new(&tiles, &means, remainder())),
+                false => film,
+            };
+            let sampler = Sampler::new(&film, &volume, &ideal, 7).expect("a sampler");
+            for number in 0..3 {
+                let sample = film.sample(7, number).expect("tiles");
+                assert_eq!(sample.tiles(), film.sample_tiles(7, number).expect("tiles"));
+                assert_eq!(sample.film().len(), 1 + usize::from(recoil));
+                let read_t = sampler.readings_of_t(number).expect("readings");
+                let sensor = sample.sensor(&HallSensor::default());
+                let noise_t = sample.noise_t(read_t.len(), &HallSensor::default());
+                let neighbour = sample.neighbour().expect("a neighbour");
+                let last = read_t.len() - 1;
+                for (reading, (place, read_t)) in sampler.points().iter().zip(&read_t).enumerate() {
+                    let mut b_t = sample.rotation() * field_t(sample.film(), sample.point_of_film(*place));
+                    // The first reading, at the reference point, lacks later contributions.
+                    if reading != last {
+                        b_t = b_t * sample.strength()
+                            + sample.stray_field_t()
+                            + neighbour.field(Quantity::FluxDensity, *place).expect("outside");
+                    }
+                    let known_t = sensor.gain * (sensor.rotation.inverse() * b_t) + sensor.offset_t + noise_t[reading];
+                    assert!(known_t.distance(*read_t) < allowed_t, "{recoil}: {read_t}, not {known_t}");
+                }
+            }
+        }
+        // With recoil, errors beyond the allowed one without the gradient of the remainder.
+        let gradient = remainder().gradient(Quantity::FluxDensity, DVec3::new(0.0, 0.0, -3.0)).expect("outside");
+        assert!((gradient * DVec3::splat(0.1)).length() > 10.0 * 0.03_f64.powi(2) * largest_remainder_t);
+    }
+
+    /// The errors add to those of the sensor as ordered: offsets add, gains multiply, and it turns
+    /// about its own axes. Without noise in the tolerance, its own noise counts.
+    #[test]
+    fn sensor_has_its_own_properties_and_the_errors() {
+        let tolerance = tolerance(0.1);
+        let sample = RealFilm::new(&[tile([0.0; 3], [0.1; 3]); 2], &tolerance).sample(7, 3).expect("tiles");
+        let ordered = HallSensor {
+            rotation: DQuat::from_rotation_x(0.7),
+            gain: DVec3::new(2.0, 3.0, 4.0),
+            offset_t: DVec3::new(1e-3, 2e-3, 3e-3),
+            noise_t: DVec3::new(1e-5, 2e-5, 3e-5),
+            count_t: DVec3::splat(1e-6),
+            ..HallSensor::default()
+        };
+        let (errors, found) = (sample.sensor(&HallSensor::default()), sample.sensor(&ordered));
+        assert!(found.gain.distance(ordered.gain * errors.gain) < 1e-15);
+        assert!(found.offset_t.distance(ordered.offset_t + errors.offset_t) < 1e-18);
+        assert!(found.rotation.dot(ordered.rotation * errors.rotation).abs() > 1.0 - 1e-15);
+        assert_eq!((found.count_t, found.noise_t), (ordered.count_t, ordered.noise_t));
+        let stated = sample.noise_t(3, &ordered);
+        assert!(stated == sample.noise_t(3, &HallSensor::default()) && stated[0].x.abs() > 2e-5, "{stated:?}");
+        let mut quiet = tolerance;
+        quiet.common.sensor.noise_t = Default::default();
+        let quiet = RealFilm::new(&[tile([0.0; 3], [0.1; 3]); 2], &quiet).sample(7, 3).expect("tiles");
+        // The deviates are the same.
+        for (own, stated) in quiet.noise_t(3, &ordered).iter().zip(&stated) {
+            let known = *stated * ordered.noise_t / DVec3::new(1e-4, 1e-4, 2e-4);
+            assert!(own.distance(known) < 1e-18, "{own}, not {known}");
+        }
+        assert_eq!(quiet.noise_t(2, &HallSensor::default()), [DVec3::ZERO; 2]);
+    }
+
+    /// Figures of a sample are the figures of its readings, in a range and for given tiles too.
+    #[test]
+    fn errors_of_samples_are_the_figures_of_their_readings() {
+        let tiles = [tile([-2.0, 0.3, 0.5], [-0.3, 0.1, 0.0]), tile([2.0, 0.0, 0.5], [0.3, 0.0, 0.1])];
+        let grid = Grid::new(DVec3::new(-1.0, -1.0, -5.0), DVec3::new(1.0, 1.0, -3.0), [2, 3, 2]).expect("a grid");
+        let volume = EvaluationGrid { grid, reference: DVec3::new(0.0, 0.1, -4.0) };
+        let ideal = IdealFilm::new(10.0, 1.0, 0.12).expect("a film");
+        let film = RealFilm::new(&tiles, &tolerance(0.1));
+        let sampler = Sampler::new(&film, &volume, &ideal, 5).expect("a sampler");
+        assert_eq!((sampler.seed(), sampler.film().tiles()), (5, &tiles[..]));
+        let of = |sample: u64| {
+            let read_t = sampler.readings_of_t(sample).expect("readings");
+            let (at_reference_t, field_t) = read_t.split_last().expect("readings");
+            volume.figures(field_t, *at_reference_t, &ideal).expect("figures")
+        };
+        assert_eq!(sampler.errors_of(3), Ok(of(3)));
+        assert_ne!(of(3), of(4));
+        assert_eq!(sampler.errors_of_tiles(3, &film.sample_tiles(5, 3).expect("tiles")), Ok(of(3)));
+        let begun = std::sync::atomic::AtomicUsize::new(0);
+        let count = || _ = begun.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+        let found = sampler.errors_of_range(3..6, count).expect("samples");
+        assert_eq!((found.as_slice(), begun.into_inner()), (&[of(3), of(4), of(5)][..], 3));
+        let of_all = crate::sampler::statistics(&found).expect("samples");
+        assert_eq!(of_all.amplitude.count, 3);
+        assert!((of_all.amplitude.mean.value - (3..6).map(|n| of(n).amplitude).sum::<f64>() / 3.0).abs() < 1e-15);
+        assert_eq!(crate::sampler::statistics(&[]), None);
+    }
+}

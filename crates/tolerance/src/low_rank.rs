@@ -109,4 +109,38 @@ mod tests {
         }
         assert_eq!(LowRank::new(vec![vec![0.0; 5]; 3], 1e-4).rank(), 0);
     }
+
+    /// Whole numbers, so that every sum is exact; lengths with and without a remainder of four.
+    #[test]
+    fn scalar_products_have_all_terms() {
+        for length in 0..11 {
+            let numbers = |step: i32| -> Vec<f64> { (1..=length).map(|n| f64::from(n * step % 7)).collect() };
+            let (a, b) = (numbers(3), numbers(5));
+            let known: f64 = (0..length as usize).map(|i| a[i] * b[i]).sum();
+            assert_eq!(dot(&a, &b), known, "{length}");
+            let mut sum = a.clone();
+            add(&mut sum, -2.0, &b);
+            assert!((0..length as usize).all(|i| sum[i] == a[i] - 2.0 * b[i]), "{length}");
+        }
+    }
+
+    /// Columns that are orthogonal, of lengths 1, 1/10, 1/100 and so on: a basis that may omit
+    /// 0.02 has two of them, and one that may omit 0.005 has three. Its columns are orthonormal.
+    #[test]
+    fn basis_omits_no_more_than_is_allowed() {
+        let columns = |order: &[usize]| -> Vec<Vec<f64>> {
+            let column = |n: usize| (0..6).map(|i| if i == n { 0.1_f64.powi(n as i32) } else { 0.0 }).collect();
+            order.iter().map(|n| column(*n)).collect()
+        };
+        let given = columns(&[3, 0, 2, 1]);
+        for (omitted, rank) in [(0.2, 1), (0.02, 2), (0.005, 3), (0.0, 4)] {
+            let found = LowRank::new(given.clone(), omitted);
+            assert_eq!(found.rank(), rank, "{omitted}");
+            let known = columns(&[0, 1, 2, 3]);
+            for (column, known) in found.basis.iter().zip(&known) {
+                let length = dot(known, known).sqrt();
+                assert!(column.iter().zip(known).all(|(found, known)| (found - known / length).abs() < 1e-15));
+            }
+        }
+    }
 }

@@ -124,6 +124,10 @@ mod tests {
             [found.p5, found.p95].iter().all(|shown| shown.interval.iter().all(|end| end.is_finite()))
         };
         assert!((Statistics::SAMPLES_OF_P95..2000).all(finite) && !finite(Statistics::SAMPLES_OF_P95 - 1));
+        // The standard deviation of 0 and 2 is 2^1/2, and of their mean 1.
+        let two = Statistics::new([2.0, 0.0]).expect("two");
+        assert_eq!((two.count, two.mean), (2, Estimate { value: 1.0, interval: [1.0 - NORMAL_95, 1.0 + NORMAL_95] }));
+        assert_eq!([two.p1.value, two.p5.value], [0.02, 0.1]);
         assert!(Statistics::new([]).is_none());
         assert_eq!(Statistics::new([2.0]).expect("one").mean.interval, [f64::NEG_INFINITY, f64::INFINITY]);
     }
@@ -139,6 +143,10 @@ mod tests {
         assert!((probability_of_at_least(8, 10, 0.5) - 56.0 / 1024.0).abs() < 1e-12);
         assert_eq!(probability_of_at_least(0, 10, 0.05), 1.0);
         assert!((probability_of_at_least(10, 10, 0.9) - 0.9_f64.powi(10)).abs() < 1e-12);
+        assert_eq!(
+            [(11, 0.5), (3, 0.0), (3, 1.0)].map(|(found, share)| probability_of_at_least(found, 10, share)),
+            [0.0, 0.0, 1.0]
+        );
     }
 
     /// Of 1000 intervals of 95 %, 950 contain the true value, with a standard deviation of 7.

@@ -46,6 +46,9 @@ fn parts_have_settings() {
     assert_eq!((beyond.0.to_string().as_str(), beyond.1.x > 7.3e-3), ("gain_sel = 5, res = 0", true));
     let at_limit = default.setting_for(&[DVec3::new(0.0, -default.element.range_t.y, 1e-4)]).unwrap();
     assert_eq!(at_limit.0.to_string(), "gain_sel = 6, res = 0");
+    // Readings far below the range of a coarse setting, along all axes.
+    let coarse = read("part = \"MLX90393\"\ngain_sel = 3");
+    assert_eq!(coarse.setting_for(&[DVec3::splat(1e-4)]).unwrap().0.to_string(), "gain_sel = 7, res = 0");
     assert_eq!(read("range_mt = 1").setting_for(&[DVec3::ONE]), None);
     for (keys, message) in [
         ("part = \"MLX90393\"\ngain_sel = 8", "sensor: gain_sel = 8, must be a whole number from 0 to 7"),
@@ -74,6 +77,10 @@ fn both_tables_are_written_as_they_were_read() {
         for text in [layout.to_toml(), layout.to_compact_toml()] {
             let again = Layout::parse(&text, "again").unwrap_or_else(|e| panic!("{e}\n{text}"));
             assert_eq!((&again.sensor, again.elastomer), (&layout.sensor, layout.elastomer), "{text}");
+            // Parts have no gain or offset of their own.
+            for key in ["gain = ", "offset_ut = "] {
+                assert_eq!(text.contains(key), tables.contains(key), "{text}");
+            }
         }
     }
     let none = with("").unwrap();

@@ -260,6 +260,11 @@ fn overlaps_of_images_are_told_of_the_tiles_in_the_file() {
     let both = told(&[&own.replace("[\"x\"]", "[\"x\", \"y\"]")]);
     assert_eq!(both.lines().count(), 2, "{both}");
     assert!(both.contains("by 0.1 mm along +y, or leave \"y\" out of mirror.axes"), "{both}");
+    // A tile on its mirror to within 1e-9 of half its length is its own image.
+    for (x, is_own) in [("5e-9", true), ("5e-8", false)] {
+        let long = told(&[&own.replace("1.2, 0", &format!("{x}, 0")).replace("[3, ", "[20, ")]);
+        assert_eq!(long.contains("or leave \"x\" out of mirror.axes"), is_own, "{long}");
+    }
     // Two mirrored tiles: the tiles of the file, once.
     let mirror = "size_mm = [1, 1, 1]\nmirror = { axes = [\"x\", \"y\"] }";
     let pair = told(&[&format!("position_mm = [2, 2, 0]\n{mirror}"), &format!("position_mm = [2.75, 2, 0]\n{mirror}")]);

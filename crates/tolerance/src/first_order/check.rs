@@ -210,4 +210,21 @@ mod tests {
         let (mean, deviation) = moments.mean_and_deviation(4.0);
         assert!(mean == 2.5 && (deviation - (5.0_f64 / 3.0).sqrt()).abs() < 1e-15, "{mean} {deviation}");
     }
+
+    /// The ends of the interval count, each alone, and so do both ratios of all axes.
+    #[test]
+    fn ratios_agree_within_five_percent() {
+        let estimate = |low: f64, high: f64| Some(Estimate { value: 1.0, interval: [low, high] });
+        let axis =
+            |mean_square_ratio, variance_ratio| AxisCheck { sampled_mm2: 1.0, mean_square_ratio, variance_ratio };
+        let good = estimate(0.96, 1.04);
+        assert!(axis(good, good).is_valid() && axis(None, None).is_valid());
+        for bad in [estimate(0.94, 1.0), estimate(1.0, 1.06), estimate(0.5, 0.6)] {
+            assert!(!axis(bad, good).mean_square_is_valid() && axis(bad, good).variance_is_valid());
+            assert!(!axis(good, bad).variance_is_valid() && axis(good, bad).mean_square_is_valid());
+            assert!(!axis(bad, good).is_valid() && !axis(good, bad).is_valid());
+            let check = |last| FirstOrderCheck { samples: 2, axes: [axis(good, good), axis(good, good), last] };
+            assert!(check(axis(good, good)).is_valid() && !check(axis(good, bad)).is_valid());
+        }
+    }
 }

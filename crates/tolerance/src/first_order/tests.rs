@@ -8,11 +8,13 @@ use magsplice_layout::{
 };
 use magsplice_magnet::{Grid, Tile, TileError};
 
-use super::displacement::displacement_errors_mm;
+use super::displacement::{Displacement, displacement_errors_mm};
+use super::sources::sources;
 use super::{AxisCheck, ErrorSource, FirstOrder};
 use crate::evaluation_grid::EvaluationGrid;
 use crate::real_film::RealFilm;
 use crate::sampler::Sampler;
+use crate::statistics::Estimate;
 
 fn ideal() -> IdealFilm {
     IdealFilm::new(10.0, 1.0, 0.12).expect("a film")
@@ -274,4 +276,170 @@ fn linear_samples_have_the_noise_of_exact_samples() {
     let largest = |of: &[f64], from: &[f64]| of.iter().zip(from).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     let (left, noise) = (largest(&exact_mm, &linear_mm), largest(&linear_mm, &model.mean_mm));
     assert!(left < 1e-2 * noise, "{left} of {noise}");
+}
+
+/// The mean square of displacement errors along an axis.
+fn mean_square(along: &[f64]) -> f64 {
+    along.iter().map(|value| value * value).sum::<f64>() / along.len() as f64
+}
+
+/// Mean and standard deviation of values.
+fn mean_and_deviation(values: &[f64]) -> [f64; 2] {
+    let count = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / count;
+    [mean, (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0)).sqrt()]
+}
+
+/// The check by its definition: mean squares, and variances with and
+/// without a bias, of usual errors, of large ones, and of errors far beyond the model. More samples
+/// than are evaluated at once. Sums of squares, which cancel here to a hundredth, are exact to
+/// 1e-12.
+#[test]
+fn check_is_that_of_its_definition() {
+    let common = |common| FilmTolerance { common, ..FilmTolerance::default() };
+    let field =
+        |field_t: [f64; 3]| Some(StrayField { field_t: field_t.map(Distribution::normal), ..StrayField::default() });
+    let gain = SensorErrors { gain: [0.0, 0.0, 0.3].map(Distribution::normal), ..SensorErrors::default() };
+    let offset_t = SensorErrors { offset_t: [(); 3].map(|()| Distribution::normal(0.05)), ..SensorErrors::default() };
+    let cases = [
+        (everything(false), 0),
+        (common(CommonErrors { sensor: gain, ..CommonErrors::default() }), 0),
+        (common(CommonErrors { stray_field: field([3e-4, 2e-4, 4e-4]), ..CommonErrors::default() }), 0),
+        (common(CommonErrors { sensor: offset_t, ..CommonErrors::default() }), 4),
+    ];
+    let (volume, ideal) = (volume(), ideal());
+    let (mut biased, mut unbiased, mut far) = (0, 0, 0);
+    for (tolerance, seed) in cases {
+        let film = RealFilm::new(&tiles(), &tolerance);
+        let model = FirstOrder::new(&film, &volume, &ideal).expect("a model");
+        let sampler = Sampler::new(&film, &volume, &ideal, seed).expect("a sampler");
+        let samples = 5..(if seed == 0 { 75 } else { 25 });
+        let Ok(check) = model.check(&sampler, samples.clone(), || ()) else { continue };
+        let n = (samples.end - samples.start) as f64;
+        assert_eq!(check.samples as f64, n);
+        let exact: Vec<Vec<f64>> = samples
+            .clone()
+            .map(|sample| {
+                let read_t = sampler.readings_of_t(sample).expect("readings");
+                displacement_errors_mm(sampler.points(), &read_t, &ideal).expect("parameters")
+            })
+            .collect();
+        let linear: Vec<Vec<f64>> = samples.map(|sample| model.linear_sample_mm(seed, sample)).collect();
+        for axis in 0..3 {
+            let all = |from: &[Vec<f64>]| -> Vec<Vec<f64>> {
+                from.iter().map(|errors| model.along(errors, axis).to_vec()).collect()
+            };
+            let (exact, linear, mean) = (all(&exact), all(&linear), model.along(&model.mean_mm, axis));
+            let about = |errors: &[f64]| -> Vec<f64> { errors.iter().zip(mean).map(|(a, b)| a - b).collect() };
+            let squares: Vec<f64> = exact.iter().map(|errors| mean_square(errors)).collect();
+            let pairs = || exact.iter().zip(&linear);
+            let changes: Vec<f64> = pairs().map(|(x, l)| mean_square(x) - mean_square(l)).collect();
+            let abouts: Vec<f64> = pairs().map(|(x, l)| mean_square(&about(x)) - mean_square(&about(l))).collect();
+            let differences: Vec<Vec<f64>> =
+                pairs().map(|(x, l)| x.iter().zip(l).map(|(x, l)| x - l).collect()).collect();
+            let mean_difference: Vec<f64> =
+                (0..mean.len()).map(|at| differences.iter().map(|of| of[at]).sum::<f64>() / n).collect();
+            let errors = model.axis_errors(axis);
+            let found = check.axes[axis];
+            let [square, square_deviation] = mean_and_deviation(&squares);
+            assert!((found.sampled_mm2 / square - 1.0).abs() < 1e-12, "{found:?}: {square}");
+
+            let [change, change_deviation] = mean_and_deviation(&changes);
+            let (ratio, deviation) = match change_deviation <= square_deviation {
+                true => (1.0 + change / errors.expected_mm2, change_deviation),
+                false => (square / errors.expected_mm2, square_deviation),
+            };
+            far += usize::from(change_deviation > square_deviation);
+            let agrees = |found: Option<Estimate>, value: f64, half: f64| {
+                let found = found.expect("errors");
+                let wanted = [value, value - half, value + half].map(|value| value.max(0.0));
+                let is_equal = |(found, wanted): (f64, f64)| (found - wanted).abs() < 1e-9 * (1.0 + half);
+                let all = [found.value, found.interval[0], found.interval[1]];
+                assert!(all.into_iter().zip(wanted).all(is_equal), "{axis}: {found:?}, not {wanted:?}");
+            };
+            let per_root = 1.959_963_984_540_054 / n.sqrt();
+            agrees(found.mean_square_ratio, ratio, per_root * deviation / errors.expected_mm2);
+
+            let [about, about_deviation] = mean_and_deviation(&abouts);
+            let found_bias = mean_square(&mean_difference);
+            let of_differences = differences.iter().map(|of| mean_square(of)).sum::<f64>() / n;
+            let scatter = (of_differences - found_bias) / (n - 1.0);
+            let bias = (found_bias - scatter).max(0.0);
+            if bias > 0.0 {
+                biased += 1;
+            } else {
+                unbiased += 1;
+            }
+            let deviation = about_deviation + 2.0 * (bias * scatter * n).sqrt();
+            let of = errors.variance_mm2;
+            agrees(found.variance_ratio, 1.0 + (about - bias) / of, per_root * deviation / of);
+        }
+    }
+    assert!(biased > 2 && unbiased > 0 && far > 0, "{biased} {unbiased} {far}");
+}
+
+/// A film without errors has no ratios, and its check is valid: nothing disagrees.
+#[test]
+fn film_without_errors_has_no_ratios() {
+    let (film, volume, ideal) = (RealFilm::new(&tiles(), &FilmTolerance::default()), volume(), ideal());
+    let model = FirstOrder::new(&film, &volume, &ideal).expect("a model");
+    let sampler = Sampler::new(&film, &volume, &ideal, 1).expect("a sampler");
+    let check = model.check(&sampler, 0..2, || ()).expect("samples");
+    assert!(check.is_valid() && check.axes.iter().all(|axis| axis.variance_ratio.is_none()), "{check:?}");
+    assert!(check.axes.iter().all(|axis| axis.mean_square_ratio.is_some_and(|ratio| ratio.value == 1.0)), "{check:?}");
+}
+
+/// Moments of every common error: a field of any direction has a third of its mean square along
+/// each axis, and the warming has mean and deviation times the coefficient.
+#[test]
+fn sources_have_the_moments_of_the_tolerance() {
+    let mut tolerance = FilmTolerance::default();
+    let any_direction_t = Distribution::Tabulated([1e-6, 3e-6].into());
+    let field_t = [Distribution::normal(1e-6), Distribution::Fixed(2e-6), Distribution::NONE];
+    tolerance.common.stray_field = Some(StrayField { field_t, any_direction_t, later: false });
+    let change_k = Distribution::Tabulated([2.0, 8.0].into());
+    tolerance.common.temperature = Some(Temperature { change_k, strength_per_k: -0.001 });
+    let found = sources(&RealFilm::new(&tiles(), &tolerance));
+    assert_eq!(found.len(), 4 * 12 + 19 + 3);
+    // Uniform between 1 and 3: mean 2, variance 1/3, mean square 13/3. Between 2 and 8: variance 3.
+    let third = 13.0 / 9.0 * 1e-12;
+    let wanted = [
+        (ErrorSource::StrayField(0), 0.0, 1e-12 + third),
+        (ErrorSource::StrayField(1), 2e-6, third),
+        (ErrorSource::StrayField(2), 0.0, third),
+        (ErrorSource::Temperature, -0.005, 3e-6),
+    ];
+    for (source, moments) in found {
+        let (mean, variance) =
+            wanted.iter().find(|(of, ..)| *of == source).map_or((0.0, 0.0), |(_, mean, variance)| (*mean, *variance));
+        let agrees = (moments.mean - mean).abs() <= 1e-15 && (moments.variance - variance).abs() <= 1e-12 * variance;
+        assert!(agrees, "{source:?}: {moments:?}, not {mean} {variance}");
+    }
+}
+
+/// Points above the film, and points where a derivative or a parameter does not exist.
+#[test]
+fn volumes_without_a_model_are_refused() {
+    let film = RealFilm::new(&tiles(), &FilmTolerance::default());
+    let at = |z: f64| {
+        let lower = DVec3::new(-1.0, -1.0, z);
+        EvaluationGrid {
+            grid: Grid::new(lower, lower, [1; 3]).expect("a point"),
+            reference: DVec3::new(0.0, 0.0, -4.0),
+        }
+    };
+    let above = FirstOrder::new(&film, &at(0.5), &ideal());
+    let point = DVec3::new(-1.0, -1.0, 0.5);
+    assert_eq!(above.err(), Some(crate::SampleError::NotBelow { point }));
+    assert!(FirstOrder::new(&film, &at(-0.5), &ideal()).is_ok());
+    // B_z = 0 at one point, then at the reference point.
+    let points = [DVec3::new(1.0, 0.0, -4.0), DVec3::new(-1.0, 0.0, -4.0), DVec3::new(0.0, 0.0, -4.0)];
+    let (level, upright) = (DVec3::X, DVec3::Z);
+    let singular = crate::SampleError::Singular { points: vec![points[1]] };
+    let of = |b_t: [DVec3; 3]| {
+        [displacement_errors_mm(&points, &b_t, &ideal()).err(), Displacement::new(&points, &b_t, &ideal()).err()]
+    };
+    assert_eq!(of([upright, level, upright]), [Some(singular.clone()), Some(singular)]);
+    assert!(of([upright, upright, level]).iter().all(Option::is_some));
+    assert_eq!(of([upright; 3]), [None, None]);
 }

@@ -192,3 +192,41 @@ fn sample_has_the_field_of_its_neighbour() {
     let field_t = |scene: &Scene| scene.field(Quantity::FluxDensity, place).expect("outside");
     assert_eq!(field_t(sample.neighbour().expect("a neighbour")), field_t(&Scene::new(&beside)));
 }
+
+/// A film with recoil keeps its places with other errors, and its tiles have the polarization of
+/// their places. It turns about the centre of its bounding box.
+#[test]
+fn film_with_recoil_keeps_it_with_other_errors() {
+    let cube = |x: f64, j_t: DVec3| Tile::new(DVec3::new(x, 0.0, 0.0), DVec3::ONE, j_t).expect("valid");
+    let ordered = [cube(0.0, DVec3::X), cube(4.0, DVec3::Y)];
+    let means = [cube(0.0, 0.9 * DVec3::X), cube(4.0, 0.8 * DVec3::Y)];
+    let plain = RealFilm::new(&ordered, &FilmTolerance::default());
+    assert_eq!(plain.centre_mm(), DVec3::new(2.0, 0.0, 0.0));
+    assert_eq!(plain.in_film(&ordered).expect("valid").as_ref(), ordered);
+    assert_eq!(RealFilm::new(&[], &FilmTolerance::default()).centre_mm(), DVec3::ZERO);
+    let film = plain.with_weakening(Weakening::new(&ordered, &means, Scene::new(&[])));
+    let errors = TileErrors { strength: Distribution::Fixed(0.1), ..TileErrors::default() };
+    let film = film.with_tolerance(&FilmTolerance::of_tiles(&errors, 2));
+    assert_eq!(film.tolerance().tiles.len(), 2);
+    let made = film.in_film(&film.sample_tiles(1, 0).expect("valid")).expect("valid").into_owned();
+    for (made, mean) in made.iter().zip(&means) {
+        assert!(made.polarization_t().distance(1.1 * mean.polarization_t()) < 1e-15, "{made:?}");
+    }
+}
+
+/// Spare tiles are cut like one tile, without errors of position or rotation, and each has other
+/// deviates than any tile of the film.
+#[test]
+fn spare_tiles_have_deviates_of_their_own() {
+    let errors = TileErrors { position: normal([0.1; 3]), size: normal([0.02; 3]), ..TileErrors::default() };
+    let film = film(&errors);
+    let spare = |number: usize| film.spare_tile(1, number, 2, 9).expect("valid");
+    let mut sizes: Vec<DVec3> = film.cut_tiles(2, 9).expect("valid").iter().map(Tile::size).collect();
+    sizes.extend([spare(0).size(), spare(1).size(), spare(5).size()]);
+    for (number, size) in sizes.iter().enumerate() {
+        assert!(sizes[..number].iter().all(|other| other != size), "{number}: {size}");
+    }
+    assert_eq!((spare(3).position(), spare(3).rotation()), (film.tiles()[1].position(), film.tiles()[1].rotation()));
+    let none = RealFilm::new(film.tiles(), &FilmTolerance::default());
+    assert_eq!(none.spare_tile(1, 0, 2, 9).expect("valid"), film.tiles()[1]);
+}

@@ -3,14 +3,18 @@
 use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 
 use glam::{DQuat, DVec2, DVec3};
-use magsplice::ideal::IdealFilm;
-use magsplice::prelude::{Quantity, Scene, Tile};
-use magsplice::tolerance::{EndlessPattern, EndlessPatternError, EvaluationGrid};
-
-use crate::shipped::layout;
+use magsplice_field::Scene;
+use magsplice_ideal::IdealFilm;
+use magsplice_layout::Layout;
+use magsplice_magnet::{Quantity, Tile};
+use magsplice_tolerance::{EndlessPattern, EndlessPatternError, EvaluationGrid};
 
 /// The wavelength in mm.
 const WAVELENGTH: f64 = 10.0;
+
+fn published_film() -> Layout {
+    Layout::read("../../layouts/published-film.toml").unwrap_or_else(|error| panic!("{error}"))
+}
 
 fn ideal() -> IdealFilm {
     IdealFilm::new(WAVELENGTH, 1.0, 0.12).expect("a film")
@@ -106,7 +110,7 @@ fn endless_pattern_is_the_limit_of_large_films() {
 /// along narrow intervals of y and 2^-1/2 along wide ones. All harmonics of the field follow.
 #[test]
 fn field_of_the_published_pattern_is_the_sum_of_its_known_harmonics() {
-    let film = layout("published-film");
+    let film = published_film();
     let pattern = EndlessPattern::new(&film.bare_tiles(), &ideal()).expect("a pattern");
     let k = TAU / WAVELENGTH;
     // Half of the sine series of the wave, and the cosine series of the weight.
@@ -172,7 +176,7 @@ fn pattern_of_narrow_tiles_is_the_ideal_film() {
         })
         .collect();
     let pattern = EndlessPattern::new(&tiles, &ideal()).expect("a pattern");
-    let volume = layout("published-film").volume.expect("stated");
+    let volume = published_film().volume.expect("stated");
     let errors = pattern.errors(&EvaluationGrid { grid: volume.grid, reference: volume.reference_mm }).expect("errors");
     let half = 0.5 * k * width;
     assert!((errors.amplitude - half.sin() / half).abs() < 1e-12, "{errors:?}");

@@ -1,0 +1,4 @@
+//! Fields of endless patterns.
+
+/// Endless splicing patterns, against very large films.
+mod endless_pattern;
