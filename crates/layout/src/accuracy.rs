@@ -96,3 +96,64 @@ fn relative(fraction: f64, written: &str) -> Result<Tolerance, String> {
     }
     Tolerance::relative(fraction).map_err(|error| error.to_string())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texts_are_fractions_or_fields() {
+        let relative = |fraction| Tolerance::relative(fraction).unwrap();
+        let absolute_t = |error_t| Tolerance::absolute_t(error_t).unwrap();
+        for (text, known) in [
+            ("1e-6", relative(1e-6)),
+            (" 0.09 ", relative(0.09)),
+            ("10nT", absolute_t(10e-9)),
+            ("0.1 mT", absolute_t(0.1e-3)),
+            ("2 uT", absolute_t(2e-6)),
+            ("2µT", absolute_t(2e-6)),
+            ("2μT", absolute_t(2e-6)),
+            ("1T", absolute_t(1.0)),
+            ("3 G", absolute_t(3e-4)),
+            ("3gauss", absolute_t(3e-4)),
+            ("3 Gs", absolute_t(3e-4)),
+            ("3 mG", absolute_t(3e-7)),
+            ("3 mGs", absolute_t(3e-7)),
+            ("3 mgauss", absolute_t(3e-7)),
+            ("3 kG", absolute_t(0.3)),
+            ("3 kGs", absolute_t(0.3)),
+            ("3 Oe", absolute_t(3e-4)),
+            ("3 oersted", absolute_t(3e-4)),
+            ("3 mOe", absolute_t(3e-7)),
+            ("3 kOe", absolute_t(0.3)),
+        ] {
+            assert_eq!(tolerance_of_text(text), Ok(known), "{text}");
+        }
+        assert_eq!(relative_tolerance(0.05), Ok(relative(0.05)));
+    }
+
+    #[test]
+    fn texts_of_other_units_are_refused() {
+        for (text, rule) in [
+            ("5%", "a fraction of |B| is written without a unit: 0.05; it must be below 0.1. A field has a unit"),
+            ("1e-3 %", "a fraction of |B| is written without a unit: 0.00001;"),
+            ("a%", "a fraction of |B| is written without a unit: 0.05;"),
+            ("5", "5 is 500 % of |B|, must be a fraction below 0.1; a field has a unit, as in 5nT"),
+            ("0.1", "0.1 is 10 % of |B|, must be a fraction below 0.1"),
+            ("1 mm", "has the unit mm, must be a flux density in T, mT, uT, nT, G, mG, kG, Oe, mOe, kOe; a number"),
+            ("nT", "must be a number"),
+            (
+                "--1 nT",
+                "must be a number with or without a unit (T, mT, uT, nT, G, mG, kG, Oe, mOe, kOe), such as 10nT",
+            ),
+            ("", "must be a number: a fraction of |B| such as 1e-6"),
+        ] {
+            let found = tolerance_of_text(text).expect_err(text);
+            assert!(found.starts_with(rule), "{text:?}: {found}");
+        }
+        // Not a number is no field in another unit.
+        let infinite = relative_tolerance(f64::INFINITY).expect_err("infinite");
+        assert!(!infinite.contains("% of |B|"), "{infinite}");
+        assert!(relative_tolerance(0.0).is_err() && relative_tolerance(-0.01).is_err());
+    }
+}

@@ -79,6 +79,13 @@ mod tests {
             let value = f64::from(index) * 1e-5;
             assert_eq!(Some(shifted(value, 3)), scaled(&value.to_string(), 3));
         }
+        // Exponents for which no power of ten is exact, and none at all.
+        for exponent in [0, 1, 12, 15, 16, 20, -1, -12, -15, -20] {
+            for text in ["0.57", "123.456", "1e-9"] {
+                let value: f64 = text.parse().unwrap();
+                assert_eq!(Some(shifted(value, exponent)), scaled(text, exponent), "{text} by {exponent}");
+            }
+        }
         assert!(shifted(f64::NAN, 3).is_nan() && shifted(f64::INFINITY, 3) == f64::INFINITY);
     }
 
@@ -88,5 +95,19 @@ mod tests {
             assert_eq!((scaled(text, 3), scaled(text, 0)), (None, None), "{text}");
         }
         assert_eq!(scaled("1e-2147483648", -3), Some(0.0));
+    }
+
+    #[test]
+    fn units_are_behind_the_last_digit() {
+        for (text, known) in [
+            ("10nT", ("10", "nT")),
+            (" 1e-5  mT ", ("1e-5", "mT")),
+            ("7.", ("7.", "")),
+            ("-0.5", ("-0.5", "")),
+            ("few", ("few", "")),
+            ("", ("", "")),
+        ] {
+            assert_eq!(with_unit(text), known, "{text:?}");
+        }
     }
 }

@@ -48,3 +48,30 @@ impl Place {
         self.items.get(index).unwrap_or(self)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Tables have places down to the third level, and lists one place for each item.
+    #[test]
+    fn tables_and_items_have_the_places_of_the_text() {
+        let text = "a = 1\n[t]\nb = 2\n[t.u]\nc = 3\n[t.u.v.w]\nd = 4\n[[l]]\ne = 5\n[[l]]\nf = [6]\n";
+        let document = DeTable::parse(text).unwrap();
+        let place = Place::of_document(&document);
+        let at = |pattern: &str| text.find(pattern).unwrap();
+        assert_eq!((place.start, place.key("a").start), (0, at("1")));
+        let table = place.key("t");
+        assert_eq!((table.start, table.key("b").start), (at("[t]"), at("2")));
+        let second = table.key("u");
+        assert_eq!((second.start, second.key("c").start), (at("[t.u]"), at("3")));
+        // The fourth level has the place of the third.
+        let third = second.key("v");
+        assert!(third.start >= at("[t.u.v.w]") && third.start < at("d = 4"));
+        assert_eq!(third.key("w").start, third.start);
+        let list = place.key("l");
+        assert_eq!([list.item(0).start, list.item(1).start], [at("[[l]]"), text.rfind("[[l]]").unwrap()]);
+        assert_eq!((list.item(2).start, list.key("e").start), (list.start, list.start));
+        assert_eq!(place.key("none").start, 0);
+    }
+}

@@ -135,3 +135,59 @@ pub(crate) fn short(value: f64) -> f64 {
 pub(crate) fn typed(value: f64) -> f64 {
     format!("{value:.11e}").parse().unwrap_or(value)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::faults::Faults;
+
+    /// The messages about the polarizations of these numbers, by the rule of each key.
+    #[test]
+    fn polarizations_that_no_material_has_are_refused() {
+        let messages = |check: &dyn Fn(&mut TableFaults)| -> Vec<String> {
+            let mut faults = Faults::new("");
+            check(&mut faults.at(0, "tile"));
+            faults.into_sorted().into_iter().map(|fault| fault.message).collect()
+        };
+        let rule = "must be at most 2.5 T, more than any material has; did you mean 0.003 T, which is 3 mT?";
+        assert_eq!(messages(&|faults| check_strength(Some(3.0), faults)), [format!("strength_t = 3, {rule}")]);
+        assert_eq!(messages(&|faults| check_strength(Some(2.5), faults)), [""; 0]);
+        assert_eq!(messages(&|faults| check_strength(None, faults)), [""; 0]);
+        assert_eq!(messages(&|faults| check_strength(Some(-1.0), faults)).len(), 1);
+        let key = "remanence_t";
+        assert_eq!(messages(&|faults| check_material(key, -3.0, faults)), [format!("remanence_t = -3, {rule}")]);
+        // Numbers that are not finite are matters of other rules.
+        assert_eq!(messages(&|faults| check_material(key, f64::INFINITY, faults)), [""; 0]);
+        let one = messages(&|faults| check_polarization(Some([0.0, -3.0, 0.0]), faults));
+        assert_eq!(one, [format!("polarization_t = [0.0, -3.0, 0.0], {rule}")]);
+        let two = messages(&|faults| check_polarization(Some([1.8, -2.4, 0.0]), faults));
+        assert_eq!(two, [format!("polarization_t = [1.8, -2.4, 0.0] has a magnitude of 3.0000 T, {rule}")]);
+        assert_eq!(messages(&|faults| check_polarization(Some([1.5, -2.0, 0.0]), faults)), [""; 0]);
+        let component = messages(&|faults| check_component(1.5, 2.0, faults));
+        assert_eq!(component, [format!("component_t = 1.5 times the pattern is up to 3.0000 T, {rule}")]);
+        assert_eq!(messages(&|faults| check_component(1.5, 1.6, faults)), [""; 0]);
+    }
+
+    /// Numbers in millitesla up to 2500, in gauss up to 25000, then in A/m, of a magnet's strength.
+    #[test]
+    fn polarizations_in_other_units_are_guessed() {
+        for (value_t, meant) in [
+            (2500.0, "did you mean 2.5 T, which is 2500 mT?"),
+            (-2501.0, "did you mean 0.25 T, which is 2501 G?"),
+            (25000.0, "did you mean 2.5 T, which is 25000 G?"),
+            (25001.0, "did you mean J = mu0 M = 0.0314 T, for M = 25001 A/m?"),
+            (1.98e6, "did you mean J = mu0 M = 2.49 T, for M = 1980000 A/m?"),
+            (2e6, "give the polarization J = mu0 M in T"),
+        ] {
+            assert_eq!(meant_polarization(value_t), meant);
+        }
+    }
+
+    #[test]
+    fn magnitudes_above_those_of_magnets_are_doubted() {
+        assert_eq!(doubt("a tile", 2.0), None);
+        let found = doubt("a tile", -2.1).expect("a doubt");
+        assert_eq!(found, "a tile of -2.1 T is above 2 T, more than any permanent magnet has");
+        assert_eq!([short(0.123_456), short(1e-3 * 70.0), typed(0.1 + 0.2)], [0.123, 0.07, 0.3]);
+    }
+}

@@ -192,3 +192,36 @@ fn meant_step(steps: DVec3, extents: DVec3) -> Option<String> {
     let is_likely = shortest * MAX_LENGTH_RATIO < shortest_extent && points <= MAX_POINTS;
     is_likely.then(|| meant_length(shortest))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn volume(reference_mm: DVec3) -> WorkingVolume {
+        let (lower, upper) = (DVec3::new(0.0, -1.0, -5.0), DVec3::new(2.0, 3.0, -3.0));
+        WorkingVolume::new(lower, upper, DVec3::ONE, reference_mm).unwrap()
+    }
+
+    /// The middle of the lower plane.
+    #[test]
+    fn default_reference_is_known() {
+        assert!(volume(DVec3::new(1.0, 1.0, -5.0)).has_default_reference());
+        for other in [DVec3::new(1.0, 1.0, -4.0), DVec3::new(0.0, 1.0, -5.0), DVec3::new(1.0, 0.0, -5.0)] {
+            assert!(!volume(other).has_default_reference(), "{other}");
+        }
+    }
+
+    /// A step below a thousandth of the shortest extent that is not 0, if a thousand times the
+    /// steps make a grid: 465^3 points are more than 1e8, and 464^3 are not.
+    #[test]
+    fn steps_in_metres_are_guessed() {
+        let meant = |step: [f64; 3], extents: [f64; 3]| meant_step(step.into(), extents.into());
+        let guess = Some("did you mean 0.25 mm, which is 0.00025 m?".to_owned());
+        assert_eq!(meant([0.000_25; 3], [4.0, 4.0, 2.0]), guess);
+        assert_eq!(meant([0.000_25, 0.001, 0.001], [4.0, 4.0, 0.0]), guess);
+        assert_eq!(meant([0.002; 3], [4.0, 4.0, 2.0]), None);
+        assert!(meant([0.001_999; 3], [4.0, 4.0, 2.0]).is_some());
+        let step = |points: f64| meant([0.001; 3], [points - 1.0; 3]);
+        assert!(step(464.0).is_some() && step(465.0).is_none());
+    }
+}

@@ -181,3 +181,36 @@ fn nearest<'k>(unknown: &str, known: &[&'k str]) -> Option<&'k str> {
     let all = known.iter().map(|known| (similarity(known), *known));
     all.filter(|(value, _)| *value >= LEAST_SIMILARITY).max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, known)| known)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn magnetizations_are_known_by_their_keys() {
+        for key in ["magnetization", "magnetisation_a_m", "m_a_per_m", "m", "m_t", "mag"] {
+            assert!(is_magnetization(key), "{key}");
+        }
+        for key in ["material", "magnet", "max", "mm", "mirror", "m_x", ""] {
+            assert!(!is_magnetization(key), "{key}");
+        }
+    }
+
+    /// The key that was meant, and its unit where the unknown key has none.
+    #[test]
+    fn keys_that_were_meant_are_found() {
+        let known = ["position_mm", "polarization_t", "strength_t", "name"];
+        let of = |unknown: &str| about_unknown(unknown, &known);
+        let (hint, key) = of("M_A_per_m");
+        assert!(key == Some("polarization_t") && hint.contains("955 kA/m is 1.2 T"), "{hint}");
+        assert_eq!(about_unknown("m_t", &["name"]), (String::new(), None));
+        let remanence = "\ndid you mean `strength_t`, the magnitude of J in tesla?".to_owned();
+        for unknown in ["remanence", "Remanence_T", "Br", "br_t", "b_r_t"] {
+            assert_eq!(of(unknown), (remanence.clone(), Some("strength_t")), "{unknown}");
+        }
+        assert_eq!(of("position"), ("\ndid you mean `position_mm`, in mm?".to_owned(), Some("position_mm")));
+        assert_eq!(of("positoin_mm"), ("\ndid you mean `position_mm`?".to_owned(), Some("position_mm")));
+        assert_eq!(of("nmae"), ("\ndid you mean `name`?".to_owned(), Some("name")));
+        assert_eq!(of("xyzzy"), (String::new(), None));
+    }
+}

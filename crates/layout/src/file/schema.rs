@@ -58,3 +58,33 @@ fn in_words_of_toml(schema: &mut Schema) {
         *description = description.replace('\n', " ");
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Null is no value of TOML: types and choices lose it, and defaults of null go. Tables accept
+    /// no other keys.
+    #[test]
+    fn schema_has_no_null() {
+        let in_words = |value: Value| {
+            let mut schema = Schema::try_from(value).unwrap();
+            in_words_of_toml(&mut schema);
+            schema.to_value()
+        };
+        let json = |text: &str| serde_json::from_str::<Value>(text).unwrap();
+        for (before, after) in [
+            (r#"{"type": ["number", "null"], "default": null}"#, r#"{"type": "number"}"#),
+            (r#"{"type": ["number", "string"], "default": 3}"#, r#"{"type": ["number", "string"], "default": 3}"#),
+            (r#"{"anyOf": [{"type": "null"}, {"$ref": "a", "minimum": 1}]}"#, r#"{"$ref": "a", "minimum": 1}"#),
+            (
+                r#"{"anyOf": [{"type": "null"}, {"$ref": "a"}, {"type": "number"}]}"#,
+                r#"{"anyOf": [{"$ref": "a"}, {"type": "number"}]}"#,
+            ),
+            (r#"{"properties": {}}"#, r#"{"properties": {}, "additionalProperties": false}"#),
+            (r#"{"description": "two\nlines"}"#, r#"{"description": "two lines"}"#),
+        ] {
+            assert_eq!(in_words(json(before)), json(after), "{before}");
+        }
+    }
+}

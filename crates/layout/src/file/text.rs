@@ -88,3 +88,23 @@ fn printable(line: &str) -> String {
     }
     shown
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texts_with_a_key_of_layouts_are_layouts() {
+        for (text, known) in [
+            ("format = 1", Some(true)),
+            ("[[tile]]\n", Some(true)),
+            ("[[lattice]]\n", Some(true)),
+            ("[volume]\n", Some(true)),
+            ("name = \"film\"\n[package]\n", Some(false)),
+            ("", Some(false)),
+            ("x,y\n1,2\n", None),
+        ] {
+            assert_eq!(is_layout(text), known, "{text:?}");
+        }
+    }
+}

@@ -242,4 +242,24 @@ mod tests {
         let found = column_values(&many, None, ErrorUnit::Millimetre).expect_err("too many");
         assert_eq!(found, "line 100001: has more values than 100000");
     }
+
+    #[test]
+    fn values_are_sorted_without_negative_zero() {
+        let found = tabulated(vec![3.0, -0.0, 1.0], ErrorUnit::Millimetre).expect("values");
+        let Distribution::Tabulated(values) = found else { panic!("{found:?}") };
+        assert!(values[..] == [0.0, 1.0, 3.0] && values[0].is_sign_positive(), "{values:?}");
+    }
+
+    /// Only tabulated values count, once for each use.
+    #[test]
+    fn uses_of_values_are_counted() {
+        let mut tabulated = Tabulated::new(PathBuf::new());
+        tabulated.values_left = 10;
+        let three = Distribution::Tabulated([0.1, 0.2, 0.3].into());
+        let others = [Distribution::Fixed(0.1), Distribution::normal(0.1)];
+        assert!(tabulated.count(&others, 100) && tabulated.values_left == 10);
+        assert!(tabulated.count([&three, &others[0]], 2) && tabulated.values_left == 4);
+        assert!(!tabulated.count([&three, &three], 1) && tabulated.values_left == 0);
+        assert!(tabulated.count(&others, 1) && !tabulated.count([&three], usize::MAX));
+    }
 }

@@ -65,6 +65,8 @@ fn moved_tiles_keep_all_but_their_position() {
     }
     assert_eq!(moved.volume, pad().volume);
     assert_eq!(moved.expectations.least_clearance_mm, None);
+    let designed = Layout { brief: Some(Default::default()), ..pad() };
+    assert_eq!(designed.moved(DVec3::ZERO).unwrap().brief, None);
     assert!(pad().moved(DVec3::new(f64::INFINITY, 0.0, 0.0)).is_err());
 }
 

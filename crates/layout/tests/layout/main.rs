@@ -4,6 +4,7 @@ mod assembled;
 mod briefs;
 mod compact;
 mod edited;
+mod findings;
 mod in_memory;
 mod limits;
 mod made_tiles;

@@ -115,6 +115,12 @@ fn faulty_materials_are_refused() {
     );
     let unusual = layout(&format!("[material]\nrecoil_permeability = 100\n{tile}"));
     assert!(unusual.findings[0].to_string().contains("Alnico up to 5"), "{:?}", unusual.findings);
+    // Along and across, and exactly at the limit.
+    for (along, across, is_unusual) in [(1.05, 6.1, true), (6.1, 1.05, true), (6.0, 6.0, false)] {
+        let stated = format!("recoil_permeability = {{ along = {along}, across = {across} }}");
+        let found = layout(&format!("[material]\n{stated}\n{tile}")).findings;
+        assert_eq!(found.iter().any(|finding| finding.to_string().contains("Alnico up to 5")), is_unusual, "{found:?}");
+    }
 }
 
 /// The change of the strength per kelvin is that of the table, else that of the material.

@@ -50,6 +50,8 @@ fn parts_have_settings() {
     let coarse = read("part = \"MLX90393\"\ngain_sel = 3");
     assert_eq!(coarse.setting_for(&[DVec3::splat(1e-4)]).unwrap().0.to_string(), "gain_sel = 7, res = 0");
     assert_eq!(read("range_mt = 1").setting_for(&[DVec3::ONE]), None);
+    // One fault has one line.
+    assert_eq!(refused("[sensor]\ngain = 0").lines().count(), 1, "{}", refused("[sensor]\ngain = 0"));
     for (keys, message) in [
         ("part = \"MLX90393\"\ngain_sel = 8", "sensor: gain_sel = 8, must be a whole number from 0 to 7"),
         ("part = \"MLX90393\"\nres = [0, 1.5, 4]", "sensor: res[1] = 1.5, must be a whole number from 0 to 3"),

@@ -281,6 +281,20 @@ fn overlaps_of_images_are_told_of_the_tiles_in_the_file() {
     assert!(parse(&(tile("position_mm = [-2, 2, 0]\nsize_mm = [1, 1, 1]") + &tile(&moved))).is_ok());
 }
 
+/// The largest entry of both patterns, by magnitude, times the component.
+#[test]
+fn components_of_lattices_are_those_of_a_material() {
+    let of = |component_t: f64| {
+        parse(&format!(
+            "[[lattice]]\nstart_mm = [0, 0, 0]\nheight_mm = 1\ncomponent_t = {component_t}\n\
+             x = [{{ widths_mm = [1, 1], pattern = [1, -3] }}]\ny = [{{ widths_mm = [1], pattern = [2] }}]\n"
+        ))
+    };
+    let message = of(1.0).expect_err("too strong");
+    assert!(message.contains("component_t = 1 times the pattern is up to "), "{message}");
+    assert!(of(0.6).is_ok());
+}
+
 #[test]
 fn volumes_in_metres_and_round_off_are_told() {
     let film = TILE.replace("[0, 0, 0]\nsize_mm = [1, 1, 1]", "[0, 0, 0.5]\nsize_mm = [8, 8, 1]");

@@ -5,6 +5,7 @@ use super::*;
 
 #[test]
 fn each_rule_states_value_and_place() {
+    assert!(parse("[tolerance]\nstrength = { normal = 0.1, within = 0.001 }").is_ok());
     let strength_of = |written: &str| format!("[tolerance]\nstrength = {written}");
     let with = |keys: &str| format!("[tolerance]\nstrength = 0.01\n{keys}");
     let group = |keys: &str| format!("[[tolerance.group]]\nname = \"g\"\n{keys}");
@@ -300,6 +301,12 @@ fn expectations_of_made_films_are_read_and_their_limits_are_rules() {
         ("amplitude = { min = nan }", "amplitude.min = NaN"),
         ("amplitude = { min = 0 }\npercentile = 0", "percentile = 0, must be greater than 0 and less than 100"),
         ("amplitude = { min = 0 }\npercentile = 100", "percentile = 100, must be greater than 0 and less than 100"),
+        ("amplitude = { min = 0 }\npercentile = 1", "percentile = 1, must be greater than 1 (per cent: 100?)"),
+        (
+            "amplitude = { min = 0 }\nconfidence = 1",
+            "confidence = 1, must be greater than 0 and less than 1 (a fraction",
+        ),
+        ("amplitude = { min = 0 }\nconfidence = 100", "confidence = 100, must be greater than 0 and less than 1"),
         ("amplitude = { min = 0 }\npercentile = 0.95", "percentile = 0.95, must be greater than 1 (per cent: 95?)"),
         (
             "amplitude = { min = 0 }\nconfidence = 95",
