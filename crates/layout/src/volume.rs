@@ -224,4 +224,19 @@ mod tests {
         let step = |points: f64| meant([0.001; 3], [points - 1.0; 3]);
         assert!(step(464.0).is_some() && step(465.0).is_none());
     }
+
+    #[test]
+    fn ranges_have_two_finite_ends_in_order() {
+        let refused = |low: f64, high: f64| {
+            let volume = WorkingVolume::new(DVec3::ZERO.with_x(low), DVec3::ONE.with_x(high), DVec3::ONE, DVec3::ZERO);
+            volume.map(|_| ()).map_err(|faults| faults.into_iter().map(|fault| fault.message).collect::<Vec<_>>())
+        };
+        for (low, high) in [(f64::NEG_INFINITY, 2.0), (0.0, f64::INFINITY), (f64::NAN, 1.0), (2.0 * MAX_LENGTH, 1.0)] {
+            let message = format!("x_mm = [{low}, {high}], must be two finite numbers");
+            assert_eq!(refused(low, high), Err(vec![message]));
+        }
+        assert_eq!(refused(2.0, 2.0), Ok(()));
+        assert!(refused(2.0, 1.0).is_err_and(|messages| messages[0].contains("[2, 1] is inverted")));
+        assert!(refused(0.0, 0.5 * MIN_SIZE).is_err_and(|messages| messages[0].contains("must be 0 or at least")));
+    }
 }

@@ -153,6 +153,19 @@ fn comments_apart_from_the_first_tile_move_to_the_end() {
     assert_eq!(text.matches("# The material").count(), 1);
 }
 
+/// The first table of the tiles may be one of a kind.
+#[test]
+fn comments_apart_from_the_first_kind_move_to_the_end() {
+    let head = "format = 1\nname = \"pair\"\n";
+    let kind = "# Squares.\n[kind.square]\nsize_mm = [2, 2, 1]\nstrength_t = 0.1\n";
+    let tile = |x: i32| format!("\n[[tile]]\nkind = \"square\"\nposition_mm = [{x}, 0, 0.5]\ndirection_deg = 0\n");
+    let text = format!("{head}\n# Apart.\n\n{kind}{}{}", tile(0), tile(4));
+    let mut layout = Layout::parse(&text, "film").unwrap_or_else(|e| panic!("{e}"));
+    layout.tiles.remove(0);
+    let text = written(&layout, TileForm::Plain);
+    assert!(text.starts_with(head) && text.trim_end().ends_with("# Apart."), "{text}");
+}
+
 #[test]
 fn tables_are_added_and_omitted() {
     let mut layout = film();
