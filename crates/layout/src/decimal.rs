@@ -98,6 +98,11 @@ mod tests {
     }
 
     #[test]
+    fn points_of_vectors_are_moved() {
+        assert_eq!(shifted_vector(DVec3::new(0.0041, -0.57, 12.0), 3), DVec3::new(4.1, -570.0, 12000.0));
+    }
+
+    #[test]
     fn units_are_behind_the_last_digit() {
         for (text, known) in [
             ("10nT", ("10", "nT")),

@@ -46,6 +46,27 @@ fn compact_layouts_have_the_same_tiles() {
     assert!(parsed(&tile(odd)).to_compact_toml().contains("polarization_t = [0.123456789012345, -0.03, 0.01]"));
 }
 
+/// All tables besides the tiles survive, and so do the lines above them.
+#[test]
+fn compact_layouts_have_the_same_tables() {
+    let text = tile("strength_t = 0.12\ndirection_deg = 30").replace(
+        "[[tile]]",
+        "description = \"by hand\"\nhistory = [\"drawn\", \"typed\"]\n[material]\nstrength_per_k = -0.001\n\
+         [sensor]\nnoise_ut = 5\n[elastomer]\narea_mm2 = 1\nthickness_mm = 1\nyoungs_modulus_mpa = 1\n\
+         poisson_ratio = 0.5\n[tolerance]\nstrength = 0.01\n[[tile]]",
+    );
+    let layout = parsed(&text);
+    let compact = layout.to_compact_toml();
+    // The lines above the tables come before the tiles.
+    let (head, _) = compact.split_once("tile = [").expect("tiles");
+    assert!(["format = ", "name = ", "description = ", "history = "].iter().all(|key| head.contains(key)), "{compact}");
+    let again = parsed(&compact);
+    assert_eq!((&again.name, &again.description, &again.history), (&layout.name, &layout.description, &layout.history));
+    assert_eq!(layout.history, ["drawn", "typed"]);
+    assert_eq!((again.sensor, again.elastomer, again.tolerance), (layout.sensor, layout.elastomer, layout.tolerance));
+    assert_eq!(again.material, layout.material);
+}
+
 #[test]
 fn directions_in_degrees_are_checked() {
     let j = parsed(&tile("strength_t = 0.12\ndirection_deg = 30")).tiles[0].tile.polarization_t();

@@ -43,8 +43,8 @@ fn films_beside_the_ideal_film_are_findings() {
     assert_found(&at(0.011), message, true);
     assert_found(&at(-0.011), "the film is at z = -0.011 .. 0.989 mm", true);
     assert!([0.009, -0.009].into_iter().all(|lower| at(lower).is_empty()));
-    // Three standard deviations of two lower faces count too, 12 um of faces 8 um apart. A tile upon
-    // the others has no lower face of the film.
+    // Three standard deviations of two lower faces count too, 12 um of faces 8 um apart. A tile
+    // upon the others has no lower face of the film.
     let beside = |lower: f64| tile([2.0, 2.0, 1.0], lower).replace("[0, 0,", "[6, 0,");
     let two = |lower: f64, other: f64| of(&(tile([8.0, 8.0, 1.0], lower) + &beside(other)));
     assert_eq!(two(0.021, 0.029), [""; 0]);
