@@ -265,3 +265,142 @@ fn not_positive(name: &'static str, value: f64, unit: &'static str) -> Option<Sp
     let is_positive = value > 0.0 && value.is_finite();
     (!is_positive).then_some(SpliceFault::NotPositive(name, value, unit))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A wavelength of 12 mm: wide intervals of 4 mm about 3 and 9 mm, with alternating signs.
+    fn request(film_mm: [f64; 2]) -> SpliceRequest {
+        let distance_mm = [3.0, 5.0];
+        SpliceRequest { range_mm: [4.0, 3.0], distance_mm, smallest_cut_mm: 0.9, ..SpliceRequest::new(12.0, film_mm) }
+    }
+
+    fn assert_intervals(width: f64, cuts: &[f64], signs: &[f64]) {
+        let request = request([width, 24.0]);
+        let found = request.intervals(0);
+        let ends: Vec<f64> =
+            found.iter().map(|(ends, _)| ends[0]).chain(found.last().map(|(ends, _)| ends[1])).collect();
+        assert_eq!(ends.len(), cuts.len(), "{width}: {ends:?}");
+        assert!(ends.iter().zip(cuts).all(|(a, b)| (a - b).abs() < 1e-12), "{width}: {ends:?}");
+        assert!(found.windows(2).all(|pair| pair[0].0[1] == pair[1].0[0]));
+        assert_eq!(found.iter().map(|(_, sign)| *sign).collect::<Vec<_>>(), signs, "{width}");
+    }
+
+    #[test]
+    fn intervals_are_about_crests_and_zeros() {
+        let inner = [-7.0, -5.0, -1.0, 1.0, 5.0, 7.0];
+        let with = |left: &[f64], right: &[f64]| [left, &inner[..], right].concat();
+        let signs = [1.0, 0.0, -1.0, 0.0, 1.0, 0.0, -1.0];
+        let zeros = |signs: &[f64]| [&[0.0][..], signs, &[0.0][..]].concat();
+        assert_intervals(24.0, &with(&[-12.0, -11.0], &[11.0, 12.0]), &zeros(&signs));
+        // The rim is a part of a crest, or a sliver that its neighbour absorbs.
+        assert_intervals(21.0, &with(&[-10.5], &[10.5]), &signs);
+        assert_intervals(22.0, &with(&[-11.0], &[11.0]), &signs);
+        assert_intervals(23.0, &with(&[-11.5], &[11.5]), &signs);
+        assert_intervals(23.9, &with(&[-11.95, -11.0], &[11.0, 11.95]), &zeros(&signs));
+        assert_intervals(10.0, &inner[1..5], &[-1.0, 0.0, 1.0]);
+    }
+
+    #[test]
+    fn volume_and_tiles_are_those_of_the_request() {
+        let request = SpliceRequest { thickness_mm: 1.5, remanence_t: 0.2, ..request([10.0, 24.0]) };
+        let volume = request.volume().expect("a volume");
+        assert_eq!((volume.lower_mm, volume.upper_mm), (DVec3::new(-2.0, -1.5, -5.0), DVec3::new(2.0, 1.5, -3.0)));
+        assert_eq!((volume.grid.counts(), volume.reference_mm), ([9, 9, 5], DVec3::new(0.0, 0.0, -5.0)));
+        let tiles = request.tiles().expect("tiles");
+        // 3 columns and 9 rows without the fields of two zeros.
+        assert_eq!(tiles.len(), 3 * 9 - 5);
+        let named = |name: &str| tiles.iter().find(|named| named.name == name).expect("a tile").tile;
+        let corner = named("x1-y2");
+        assert_eq!((corner.position(), corner.size()), (DVec3::new(-3.0, -9.0, 0.75), DVec3::new(4.0, 4.0, 1.5)));
+        let j_t = 0.2 * DVec3::new(-1.0, 1.0, 0.0) / 2.0_f64.sqrt();
+        assert!(corner.polarization_t().distance(j_t) < 1e-16, "{corner:?}");
+        let edge = named("x2-y2");
+        assert_eq!((edge.size(), edge.polarization_t()), (DVec3::new(2.0, 4.0, 1.5), DVec3::new(0.0, 0.2, 0.0)));
+    }
+
+    #[test]
+    fn distances_may_be_heights() {
+        assert_eq!(distances_of([3.0, 5.0]), [3.0, 5.0]);
+        assert_eq!([distances_of([-5.0, -3.0]), distances_of([-3.0, -5.0])], [[3.0, 5.0]; 2]);
+        assert_eq!([distances_of([-3.0, 5.0]), distances_of([0.0, -5.0])], [[-3.0, 5.0], [0.0, -5.0]]);
+        assert_eq!([four_digits(1.234_56), four_digits(0.1 * 7.0)], [1.235, 0.7]);
+    }
+
+    #[test]
+    fn defaults_are_fractions_of_the_wavelength() {
+        let request = SpliceRequest::new(7.0, [20.0, 30.0]);
+        assert_eq!((request.thickness_mm, request.range_mm, request.distance_mm), (0.7, [2.8; 2], [2.1, 3.5]));
+        assert_eq!((request.smallest_cut_mm, request.remanence_t, request.film_mm), (0.56, 0.12, [20.0, 30.0]));
+        assert_eq!((request.brief.goal, request.brief.least_amplitude), (Goal::Displacement, Some(0.65)));
+        let name = request.layout().unwrap_or_else(|e| panic!("{e}")).name;
+        assert_eq!(name, "20 x 30 mm for a wavelength of 7 mm");
+    }
+
+    /// The faults of a request, for numbers at their limits and just beyond.
+    #[test]
+    fn numbers_out_of_range_are_refused() {
+        let good = || request([24.0, 30.0]);
+        let faults = |request: SpliceRequest| match request.validate() {
+            Ok(()) => Vec::new(),
+            Err(DesignError::Request(faults)) => faults,
+            Err(other) => panic!("{other}"),
+        };
+        let brief = |change: &dyn Fn(&mut Brief)| {
+            let mut request = good();
+            change(&mut request.brief);
+            request
+        };
+        let not_positive = SpliceFault::NotPositive;
+        let cases = [
+            (good(), vec![]),
+            (SpliceRequest { thickness_mm: 0.0, ..good() }, vec![not_positive("thickness", 0.0, "mm")]),
+            (SpliceRequest { film_mm: [24.0, -1.0], ..good() }, vec![not_positive("film, along y", -1.0, "mm")]),
+            (
+                SpliceRequest { range_mm: [f64::INFINITY, 3.0], ..good() },
+                vec![
+                    not_positive("range, along x", f64::INFINITY, "mm"),
+                    SpliceFault::TooLong("range, along x", f64::INFINITY, 12.0),
+                ],
+            ),
+            // The other lengths follow the wavelength.
+            (SpliceRequest { wavelength_mm: -1.0, ..good() }, vec![not_positive("wavelength", -1.0, "mm")]),
+            (brief(&|brief| brief.resolution_mm = 0.0), vec![not_positive("resolution", 0.0, "mm")]),
+            (brief(&|brief| brief.resolution_deg = 0.0), vec![not_positive("resolution of directions", 0.0, "deg")]),
+            (SpliceRequest { remanence_t: -0.1, ..good() }, vec![not_positive("remanence", -0.1, "T")]),
+            (SpliceRequest { remanence_t: 2.0, ..good() }, vec![]),
+            (SpliceRequest { remanence_t: 2.1, ..good() }, vec![SpliceFault::TooStrong(2.1)]),
+            (brief(&|brief| brief.least_amplitude = Some(2.0)), vec![]),
+            (brief(&|brief| brief.least_amplitude = Some(2.1)), vec![SpliceFault::UnreachableAmplitude(2.1)]),
+            (SpliceRequest::new(0.1, [0.24, 0.3]), vec![]),
+            (SpliceRequest::new(0.099, [0.24, 0.3]), vec![SpliceFault::ShortWavelength(0.099)]),
+            (SpliceRequest { thickness_mm: 0.012, ..good() }, vec![]),
+            (SpliceRequest { thickness_mm: 0.0119, ..good() }, vec![SpliceFault::TooShort("thickness", 0.0119, 12.0)]),
+            (SpliceRequest { thickness_mm: 12_000.0, ..good() }, vec![]),
+            (
+                SpliceRequest { thickness_mm: 12_001.0, ..good() },
+                vec![SpliceFault::TooLong("thickness", 12_001.0, 12.0)],
+            ),
+            (brief(&|brief| brief.gap_mm = 0.0), vec![]),
+            (brief(&|brief| brief.gap_mm = -0.1), vec![SpliceFault::Gap(-0.1)]),
+            (brief(&|brief| brief.gap_mm = f64::INFINITY), vec![SpliceFault::Gap(f64::INFINITY)]),
+            (SpliceRequest { distance_mm: [5.0, 5.0], ..good() }, vec![SpliceFault::Distances(5.0, 5.0)]),
+            // Five sixths of the wavelength, 10 mm.
+            (SpliceRequest { film_mm: [10.0, 30.0], ..good() }, vec![]),
+            (SpliceRequest { film_mm: [9.9, 30.0], ..good() }, vec![SpliceFault::NoCrests('x', 9.9, 12.0)]),
+            (SpliceRequest { film_mm: [24.0, 9.9], ..good() }, vec![SpliceFault::NoCrests('y', 9.9, 12.0)]),
+            // Half the sum of the extents at half a wavelength, 6 mm.
+            (SpliceRequest { range_mm: [6.0, 5.9], ..good() }, vec![]),
+            (SpliceRequest { range_mm: [6.0, 6.0], ..good() }, vec![SpliceFault::SingularRange([6.0, 6.0], 12.0)]),
+            (SpliceRequest { smallest_cut_mm: 3.0, ..good() }, vec![]),
+            (SpliceRequest { smallest_cut_mm: 3.1, ..good() }, vec![SpliceFault::LongCut(3.1, 12.0)]),
+        ];
+        for (request, known) in cases {
+            assert_eq!(faults(request.clone()), known, "{request:?}");
+        }
+        let film = |mm: f64| SpliceFault::NoCrests('x', mm, 12.0).to_string();
+        assert!(film(0.024).ends_with("next to the middle; did you mean 24 mm, which is 0.024 m?"), "{}", film(0.024));
+        assert!(film(0.009).ends_with("next to the middle") && film(9.9).ends_with("next to the middle"));
+    }
+}

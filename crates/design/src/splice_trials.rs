@@ -136,3 +136,51 @@ impl SpliceRequest {
         request
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Each change gives the search more freedom: by hand, for a wavelength of 10 mm.
+    #[test]
+    fn changes_loosen_one_number_each() {
+        let default = SpliceRequest::new(10.0, [20.0, 24.0]);
+        let mut request =
+            SpliceRequest { smallest_cut_mm: 1.0, range_mm: [4.0, 3.0], distance_mm: [3.0, 5.5], ..default };
+        request.brief.starts = 8;
+        let of = |request: &SpliceRequest| request.changes();
+        let others = [
+            SpliceChange::FilmMm([25.0, 29.0]),
+            SpliceChange::RangeMm([2.0, 1.5]),
+            SpliceChange::DistanceMm([3.0, 4.25]),
+            SpliceChange::LeastAmplitude(0.325),
+        ];
+        let known = [&[SpliceChange::Starts(32), SpliceChange::SmallestCutMm(0.8)][..], &others].concat();
+        assert_eq!(of(&request), known);
+        // A cut that is not longer than the usual one is halved. Starts grow by four, to a limit.
+        request.smallest_cut_mm = 0.8;
+        request.brief.starts = 17;
+        request.brief.parts = Some(4);
+        let first = [SpliceChange::Starts(68), SpliceChange::AnyParts, SpliceChange::SmallestCutMm(0.4)];
+        assert_eq!(of(&request), [&first[..], &others].concat());
+        request.brief.starts = 9_999;
+        assert_eq!(of(&request)[0], SpliceChange::Starts(10_000));
+        request.brief.starts = 10_000;
+        request.brief.least_amplitude = None;
+        assert_eq!(of(&request), [&first[1..], &others[..3]].concat());
+        for change in [&first[..], &others].concat() {
+            let changed = request.changed(change);
+            let SpliceRequest { film_mm, range_mm, distance_mm, smallest_cut_mm, ref brief, .. } = changed;
+            let is_made = match change {
+                SpliceChange::Starts(starts) => brief.starts == starts,
+                SpliceChange::SmallestCutMm(cut_mm) => smallest_cut_mm == cut_mm,
+                SpliceChange::FilmMm(mm) => film_mm == mm,
+                SpliceChange::RangeMm(mm) => range_mm == mm,
+                SpliceChange::DistanceMm(mm) => distance_mm == mm,
+                SpliceChange::LeastAmplitude(least) => brief.least_amplitude == Some(least),
+                SpliceChange::AnyParts => brief.parts.is_none(),
+            };
+            assert!(is_made && changed != request, "{change:?}");
+        }
+    }
+}

@@ -205,3 +205,6 @@ fn around(rules: &[LinearRule], variables: &[f64]) -> Vec<(Vec<(usize, f64)>, f6
 fn moved(variables: &[f64], change: &[f64]) -> Vec<f64> {
     variables.iter().zip(change).map(|(value, change)| value + change).collect()
 }
+
+#[cfg(test)]
+mod tests;

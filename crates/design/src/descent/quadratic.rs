@@ -199,4 +199,29 @@ mod tests {
         assert_eq!(lines.len(), 3, "{printed}");
         assert!(lines[1].starts_with(&format!("test {name}")), "{printed}");
     }
+
+    /// A diagonal and two rows, whose product is no diagonal: the free minimum solves H x = -g, by
+    /// hand with H = (3 + 4, 2; 2, 5 + 1 + 9).
+    #[test]
+    fn factored_curvature_is_the_diagonal_and_the_product_of_rows() {
+        let curvature = Curvature::Factored { diagonal: vec![3.0, 5.0], rows: vec![2.0, 1.0, 0.0, 3.0] };
+        assert_eq!(curvature.largest(2), 15.0);
+        let x = [0.3, -0.2];
+        let gradient = vec![-(7.0 * x[0] + 2.0 * x[1]), -(2.0 * x[0] + 15.0 * x[1])];
+        let rules = (0..2).flat_map(|i| [1.0, -1.0].map(|sign| (vec![(i, sign)], -1.0))).collect();
+        let mut program = QuadraticProgram { curvature, gradient, rules };
+        let found = program.solve().unwrap();
+        assert!((found[0] - x[0]).abs() < 1e-6 && (found[1] - x[1]).abs() < 1e-6, "{found:?}");
+        program.curvature = Curvature::Dense(vec![7.0, 2.0, f64::NAN, 15.0]);
+        assert_eq!(program.curvature.largest(2), 15.0);
+        let found = program.solve().unwrap();
+        assert!((found[0] - x[0]).abs() < 1e-6 && (found[1] - x[1]).abs() < 1e-6, "{found:?}");
+        // Many variables have a diagonal without rows.
+        let Curvature::Factored { diagonal, rows } = Curvature::diagonal(vec![2.0; FACTORED_FROM]) else {
+            panic!("dense")
+        };
+        assert!(diagonal == [2.0; FACTORED_FROM] && rows.is_empty());
+        let Curvature::Dense(few) = Curvature::diagonal(vec![2.0, 3.0]) else { panic!("factored") };
+        assert_eq!(few, [2.0, 0.0, 0.0, 3.0]);
+    }
 }

@@ -186,3 +186,95 @@ fn designed(
     let candidate = problem.least_squares.descend(&pattern, start, steps, &mut |_| still())?;
     Some(FilmOfParts { assignment: assignment.updated(&pattern, &candidate), pattern, candidate })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::progress::ignore_progress;
+
+    /// Three tiles of different sizes in a row.
+    fn layout(design: &str) -> Layout {
+        let mut text = format!(
+            "format = 1\nname = \"film\"\n[ideal]\nwavelength_mm = 10.0\nthickness_mm = 1.0\namplitude_t = 0.12\n\
+             [volume]\nx_mm = [-2.0, 2.0]\ny_mm = [-2.0, 2.0]\nz_mm = [-5.0, -3.0]\nstep_mm = 2.0\n\
+             [design]\nvary = [\"size\", \"position\", \"direction\"]\nsmallest_cut_mm = 0.5\n{design}\n"
+        );
+        for (n, (width, depth)) in [(2.0, 3.0), (2.1, 3.4), (2.0, 4.0)].into_iter().enumerate() {
+            let (x, j_t) = (4.0 * n as f64 - 4.0, if n % 2 == 0 { 0.1 } else { -0.1 });
+            text += &format!(
+                "[[tile]]\nposition_mm = [{x:?}, 0.1, 0.5]\nsize_mm = [{width:?}, {depth:?}, 1.0]\n\
+                 polarization_t = [{j_t:?}, 0.05, 0.0]\n"
+            );
+        }
+        Layout::parse(&text, "film").unwrap_or_else(|e| panic!("{e}"))
+    }
+
+    fn start(problem: &DesignProblem) -> Candidate {
+        let start = problem.pattern.start.clone();
+        problem.least_squares.candidate_at(&problem.pattern, start).expect("a field")
+    }
+
+    /// Tiles without polarization are no part.
+    #[test]
+    fn distinct_parts_are_counted_as_in_the_bill_of_materials() {
+        let layout = layout("");
+        let mut tiles = layout.bare_tiles();
+        assert_eq!(count_distinct(&layout, &tiles), 3);
+        tiles[1] = Tile::new(tiles[1].position(), tiles[0].size(), tiles[0].polarization_t()).unwrap();
+        assert_eq!(count_distinct(&layout, &tiles), 2);
+        tiles[2] = Tile::new(tiles[2].position(), tiles[2].size(), DVec3::ZERO).unwrap();
+        assert_eq!(count_distinct(&layout, &tiles), 1);
+    }
+
+    /// Each level has a part less than the one before, down to the number that is asked for. Its
+    /// film is made of its parts.
+    #[test]
+    fn levels_have_fewer_and_fewer_parts() {
+        let layout = layout("");
+        let problem = DesignProblem::new(&layout).unwrap_or_else(|e| panic!("{e}"));
+        let counts = |free_parts: usize, watch: &Watch| -> Vec<usize> {
+            let levels = levels(&problem, &problem.pattern, &start(&problem), free_parts, watch);
+            for film in &levels {
+                let tiles = film.pattern.all_tiles(&film.candidate.variables).expect("sides above 0");
+                let made = film.assignment.pattern(&problem.brief, &problem.pattern);
+                let made = made.all_tiles(&made.start).expect("sides above 0");
+                assert!(tiles.iter().zip(&made).all(|(a, b)| {
+                    a.size().distance(b.size()) < 1e-12 && a.position().distance(b.position()) < 1e-12
+                }));
+                let found = problem.least_squares.candidate_at(&film.pattern, film.candidate.variables.clone());
+                assert_eq!(found.map(|found| found.merit()), Some(film.candidate.merit()));
+            }
+            levels.iter().map(FilmOfParts::part_count).collect()
+        };
+        let watch = Watch::new(&ignore_progress);
+        assert_eq!(counts(1, &watch), [3, 2, 1]);
+        assert_eq!(counts(2, &watch), [3, 2]);
+        assert_eq!(counts(3, &watch).len(), 1);
+        let stop = |_: ProgressUpdate| ControlFlow::Break(());
+        assert_eq!(counts(1, &Watch::new(&stop)), [3]);
+    }
+
+    /// Parts in stock count among the parts that are asked for.
+    #[test]
+    fn fewest_parts_are_those_of_the_brief() {
+        let count = |design: &str| {
+            let layout = layout(design);
+            let problem = DesignProblem::new(&layout).unwrap_or_else(|e| panic!("{e}"));
+            let film = fewest(&problem, &problem.pattern, &start(&problem), &Watch::new(&ignore_progress));
+            let film = film.expect("a film");
+            (film.part_count(), film.assignment.free())
+        };
+        assert_eq!(count("parts = 2"), (2, 2));
+        let stock = "stock = [{ size_mm = [3.0, 2.1], direction_deg = 60.0 }]";
+        assert_eq!(count(&format!("parts = 2\n{stock}")), (2, 1));
+    }
+
+    #[test]
+    fn nearest_parts_are_merged_down_to_the_aim() {
+        let layout = layout("");
+        let problem = DesignProblem::new(&layout).unwrap_or_else(|e| panic!("{e}"));
+        let all = PartAssignment::new(&problem.brief, &problem.pattern, &start(&problem));
+        let free: Vec<usize> = (0..4).map(|aim| with_nearest_merged(all.clone(), aim, true).free()).collect();
+        assert_eq!(free, [1, 1, 2, 3]);
+    }
+}

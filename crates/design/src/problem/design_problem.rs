@@ -216,4 +216,69 @@ mod tests {
         assert!((0.5 * (1.0 + 1e-6)..0.5 * (1.0 + 1e-4)).contains(&aim), "{aim}");
         assert_eq!(problem.brief().least_amplitude, Some(0.5));
     }
+
+    /// A film of four tiles, and of others beside them.
+    fn refused(design: &str, positions: &[[f64; 2]]) -> DesignError {
+        let mut text = format!(
+            "format = 1\nname = \"film\"\n[ideal]\nwavelength_mm = 10.0\nthickness_mm = 1.0\namplitude_t = 0.12\n\
+             [volume]\nx_mm = [-2.0, 2.0]\ny_mm = [-2.0, 2.0]\nz_mm = [-5.0, -3.0]\nstep_mm = 1.0\n[design]\n{design}\n"
+        );
+        for [x, y] in positions {
+            text += &format!(
+                "[[tile]]\nposition_mm = [{x}, {y}, 0.5]\nsize_mm = [1, 1, 1]\npolarization_t = [{}, 0, 0]\n",
+                0.1 * x.signum()
+            );
+        }
+        let layout = Layout::parse(&text, "film").unwrap_or_else(|e| panic!("{e}"));
+        DesignProblem::new(&layout).map(|_| ()).expect_err("refused")
+    }
+
+    /// Where most tiles lack an image, the film is beside the axis. A single tile without one is
+    /// the cause itself.
+    #[test]
+    fn films_beside_their_axis_are_told_with_their_ends() {
+        let mirror = "vary = [\"size\"]\nsymmetry = \"mirror\"";
+        let of = |positions: &[[f64; 2]]| match refused(mirror, positions) {
+            DesignError::NotSymmetric { tiles, off_centre_mm } => (tiles.len(), off_centre_mm),
+            other => panic!("{other}"),
+        };
+        let beside = [[2.5, 2.0], [-1.5, 2.0], [2.5, -2.0], [-1.5, -2.0]];
+        assert_eq!(of(&beside), (4, [Some([-2.0, 3.0]), None]));
+        assert_eq!(of(&beside.map(|[x, y]| [x - 0.5, y + 0.25])), (2, [None, Some([-2.25, 2.75])]));
+        // Half of the tiles, and fewer.
+        let pair = [[2.0, 0.0], [-2.0, 0.0]];
+        assert_eq!(of(&[pair[0], pair[1], [4.0, 0.0], [6.0, 0.0]]), (2, [Some([-2.5, 6.5]), None]));
+        assert_eq!(of(&[pair[0], pair[1], [4.0, 0.0]]), (1, [None; 2]));
+    }
+
+    /// Each start holds three components of the derivatives at all points twice, and of the
+    /// curvature. The sizes of 1200 tiles at 57 x 57 x 29 points need more than the 10.4 GB that
+    /// any work may take.
+    #[test]
+    fn memory_of_the_design_grid_is_limited() {
+        let many: Vec<[f64; 2]> = (0..1200).map(|n| [2.0 * f64::from(n % 40), 2.0 * f64::from(n / 40)]).collect();
+        let DesignError::Memory(error) = refused("vary = [\"size\"]\nstep_mm = 0.071", &many) else { panic!("memory") };
+        let (free, points) = (2400.0, 57.0 * 57.0 * 29.0);
+        let bytes = 24.0 * free * (2.0 * points + free) * rayon::current_num_threads() as f64;
+        assert!((error.bytes / bytes - 1.0).abs() < 1e-12, "{error:?}, not {bytes}");
+        assert_eq!(error.cause, format!("[design] has {free} free parameters at {points} points of its grid"));
+    }
+
+    /// The step of the brief divides the extents to the nearest count. Without one, the grid of the
+    /// volume counts up to a limit. The finer grid has five steps for each.
+    #[test]
+    fn grids_have_the_steps_of_the_brief() {
+        let volume = |step_mm: f64| {
+            let (lower, upper) = (glam::DVec3::new(-2.0, -2.0, -5.0), glam::DVec3::new(2.0, 1.0, -5.0));
+            WorkingVolume::new(lower, upper, glam::DVec3::splat(step_mm), glam::DVec3::new(0.0, 0.0, -4.0)).unwrap()
+        };
+        let counts = |step_mm: f64, of_brief: Option<f64>| design_grid(&volume(step_mm), of_brief).counts();
+        assert_eq!(counts(1.0, Some(0.8)), [6, 5, 1]);
+        assert_eq!(counts(1.0, Some(9.0)), [2, 2, 1]);
+        assert_eq!(counts(1.0, None), [5, 4, 1]);
+        assert_eq!(counts(0.1, None), [9, 9, 1]);
+        let grid = design_grid(&volume(1.0), None);
+        assert_eq!(finer(&grid).counts(), [21, 16, 1]);
+        assert_eq!((finer(&grid).lower(), finer(&grid).upper()), (grid.lower(), grid.upper()));
+    }
 }

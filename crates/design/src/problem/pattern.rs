@@ -323,4 +323,94 @@ mod tests {
         let free = kinds("vary = [\"cut\"]\nsymmetry = \"none\"", &tiles);
         assert_eq!(count(&free, VariableKind::Length), 3 + 4);
     }
+
+    fn film(brief: &str) -> Layout {
+        let text = format!(
+            "format = 1\nname = \"film\"\n[ideal]\nwavelength_mm = 10.0\nthickness_mm = 1.0\namplitude_t = 0.12\n\
+             [volume]\nx_mm = [-2.0, 2.0]\ny_mm = [-2.0, 2.0]\nz_mm = [-5.0, -3.0]\nstep_mm = 0.5\n\
+             [design]\nthickness_mm = {{ min = 0.5, max = 2.0 }}\nstrength_t = {{ min = 0.0, max = 0.2 }}\n{brief}\n\
+             [[tile]]\nposition_mm = [1.5, 0.25, 0.5]\nsize_mm = [3.0, 2.0, 1.0]\npolarization_t = [0.09, 0.0, 0.12]\n\
+             [[tile]]\nposition_mm = [-1.5, 0.25, 0.5]\nsize_mm = [3.0, 2.0, 1.0]\npolarization_t = [-0.09, 0.0, 0.12]\n"
+        );
+        Layout::parse(&text, "film").unwrap_or_else(|e| panic!("{e}"))
+    }
+
+    /// The first tile where the variable of this number is larger by 0.2 than in the layout.
+    fn changed(brief: &str, variable: usize) -> Tile {
+        let layout = film(brief);
+        let pattern = DesignProblem::new(&layout).unwrap_or_else(|e| panic!("{e}")).pattern;
+        let start = pattern.all_tiles(&pattern.start).expect("sides above 0");
+        for (start, tile) in start.iter().zip(layout.bare_tiles()) {
+            assert!(start.position().distance(tile.position()) < 1e-12 && start.size().distance(tile.size()) < 1e-12);
+            assert!(start.polarization_t().distance(tile.polarization_t()) < 1e-15);
+        }
+        let mut variables = pattern.start.clone();
+        variables[variable] += 0.2;
+        pattern.all_tiles(&variables).expect("sides above 0")[0]
+    }
+
+    /// What each variable is, one after the other, of a tile of 3 x 2 x 1 mm at (1.5, 0.25, 0.5) mm
+    /// with 0.15 T at 0 degrees, tilted by an angle of the sides 3, 4 and 5.
+    #[test]
+    fn variables_are_sides_centres_faces_and_angles() {
+        let none = |vary: &str| format!("vary = [{vary}]\nsymmetry = \"none\"");
+        let of = |vary: &str, variable: usize| {
+            let tile = changed(&none(vary), variable);
+            (tile.position(), tile.size())
+        };
+        let assert_near = |(position, size): (DVec3, DVec3), known: [[f64; 3]; 2]| {
+            let [p, s] = known.map(DVec3::from);
+            assert!(position.distance(p) < 1e-12 && size.distance(s) < 1e-12, "{position} {size}, not {known:?}");
+        };
+        assert_near(of("\"size\"", 0), [[1.5, 0.25, 0.5], [3.2, 2.0, 1.0]]);
+        assert_near(of("\"size\"", 1), [[1.5, 0.25, 0.5], [3.0, 2.2, 1.0]]);
+        assert_near(of("\"position\"", 0), [[1.7, 0.25, 0.5], [3.0, 2.0, 1.0]]);
+        assert_near(of("\"position\"", 1), [[1.5, 0.45, 0.5], [3.0, 2.0, 1.0]]);
+        let both = "\"size\", \"position\"";
+        assert_near(of(both, 0), [[1.6, 0.25, 0.5], [2.8, 2.0, 1.0]]);
+        assert_near(of(both, 1), [[1.6, 0.25, 0.5], [3.2, 2.0, 1.0]]);
+        assert_near(of(both, 3), [[1.5, 0.35, 0.5], [3.0, 2.2, 1.0]]);
+        // Both tiles share the line x = 0, y = -0.75 and y = 1.25, and their upper face.
+        assert_near(of("\"cut\"", 0), [[1.6, 0.25, 0.5], [2.8, 2.0, 1.0]]);
+        assert_near(of("\"cut\"", 2), [[1.5, 0.35, 0.5], [3.0, 1.8, 1.0]]);
+        assert_near(of("\"thickness\"", 0), [[1.5, 0.25, 0.6], [3.0, 2.0, 1.2]]);
+        let count =
+            |brief: &str| DesignProblem::new(&film(brief)).unwrap_or_else(|e| panic!("{e}")).pattern.start.len();
+        assert_eq!([none("\"cut\""), none("\"thickness\""), none(both)].map(|brief| count(&brief)), [5, 1, 8]);
+        let j_t = |vary: &str| changed(&none(vary), 0).polarization_t();
+        let (direction, tilt) = (0.2_f64, 0.8_f64.asin() + 0.2);
+        assert!(
+            j_t("\"direction\"").distance(DVec3::new(0.09 * direction.cos(), 0.09 * direction.sin(), 0.12)) < 1e-15
+        );
+        assert!(j_t("\"tilt\"").distance(0.15 * DVec3::new(tilt.cos(), 0.0, tilt.sin())) < 1e-15);
+        assert!(j_t("\"strength\"").distance(0.35 * DVec3::new(0.6, 0.0, 0.8)) < 1e-15);
+    }
+
+    /// Images of a tile by each operation, and their faces as functions of the variables.
+    #[test]
+    fn images_have_the_faces_of_the_operation() {
+        let layout = film("vary = [\"size\", \"position\"]\nsymmetry = \"none\"");
+        let pattern = DesignProblem::new(&layout).unwrap_or_else(|e| panic!("{e}")).pattern;
+        let variables: Vec<f64> = pattern.start.iter().enumerate().map(|(i, value)| value + 0.01 * i as f64).collect();
+        let variable_tile = &pattern.tiles[0];
+        let tile = variable_tile.tile(&variables).expect("sides above 0");
+        for operation in SymmetryOperation::all(Symmetry::FourFold) {
+            let image = image(&tile, operation).expect("sides above 0");
+            assert!(image.polarization_t().distance(operation.apply(tile.polarization_t())) < 1e-15);
+            for (axis, ends) in variable_tile.image_faces(operation).iter().enumerate() {
+                let [lower, upper] = ends.each_ref().map(|end| end.eval(&variables));
+                assert!((0.5 * (lower + upper) - image.position()[axis]).abs() < 1e-12, "{operation:?}, {axis}");
+                assert!((upper - lower - image.size()[axis]).abs() < 1e-12, "{operation:?}, {axis}");
+            }
+        }
+        let sharp = pattern.images_of(|variable_tile| (variable_tile.orbit.tile != 1).then_some(tile));
+        assert_eq!(sharp, Err(1));
+    }
+
+    #[test]
+    fn angles_are_within_half_a_turn() {
+        for (angle, known) in [(0.5, 0.5), (4.0, 4.0 - TAU), (-4.0, TAU - 4.0), (3.0 * TAU + 0.1, 0.1)] {
+            assert!((half_turn(angle) - known).abs() < 1e-14, "{angle}");
+        }
+    }
 }

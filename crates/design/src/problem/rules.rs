@@ -217,4 +217,96 @@ mod tests {
         // Without an outline the extent of the film is one.
         assert_eq!(outline(Symmetry::Mirror, [None; 2]), [[-1.0, 1.0], [-2.0, 2.0]]);
     }
+
+    fn problem(layout: &magsplice_layout::Layout) -> crate::problem::design_problem::DesignProblem<'_> {
+        crate::problem::design_problem::DesignProblem::new(layout).unwrap_or_else(|e| panic!("{e}"))
+    }
+
+    fn layout(design: &str, tiles: &[([f64; 3], [f64; 3])]) -> magsplice_layout::Layout {
+        let mut text = format!(
+            "format = 1\nname = \"film\"\n[ideal]\nwavelength_mm = 10.0\nthickness_mm = 1.0\namplitude_t = 0.12\n\
+             [volume]\nx_mm = [-2.0, 2.0]\ny_mm = [-2.0, 2.0]\nz_mm = [-5.0, -3.0]\nstep_mm = 2.0\n[design]\n{design}\n"
+        );
+        for (position, size) in tiles {
+            let j_t = 0.1 * position[0].signum();
+            text +=
+                &format!("[[tile]]\nposition_mm = {position:?}\nsize_mm = {size:?}\npolarization_t = [{j_t}, 0, 0]\n");
+        }
+        magsplice_layout::Layout::parse(&text, "film").unwrap_or_else(|e| panic!("{e}"))
+    }
+
+    /// The values of the rules of one tile of 3 x 2 x 1 mm at (1.5, 0.25, 0.5) mm, by hand: what is
+    /// left to each bound.
+    #[test]
+    fn rules_of_a_tile_are_its_distances_from_the_bounds() {
+        let design = "vary = [\"size\", \"position\", \"thickness\", \"strength\"]\nsmallest_cut_mm = 0.5\n\
+                      outline_mm = { x = [-5.0, 4.0], y = [-3.0, 6.0] }\nthickness_mm = { min = 0.75, max = 2.0 }\n\
+                      strength_t = { min = 0.025, max = 0.2 }";
+        let layout = layout(design, &[([1.5, 0.25, 0.5], [3.0, 2.0, 1.0])]);
+        let problem = problem(&layout);
+        let rules = problem.least_squares.bounds.rules_of_tiles(&problem.pattern);
+        let found: Vec<f64> = rules.iter().map(|rule| rule.value.eval(&problem.pattern.start)).collect();
+        let known = [2.5, 1.5, 5.0, 1.0, 2.25, 4.75, 0.25, 1.0, 0.075, 0.1];
+        assert_eq!(found.len(), known.len(), "{found:?}");
+        assert!(found.iter().zip(known).all(|(a, b)| (a - b).abs() < 1e-12), "{found:?}");
+        assert!(rules.iter().all(|rule| rule.tiles == (0, None)));
+        // Rules of equal values are one.
+        assert_eq!(distinct([rules.clone(), rules.clone()].concat()), rules);
+    }
+
+    /// Pairs stay apart along the axis of their larger distance. Tiles above each other, and tiles
+    /// beyond reach, have no rule.
+    #[test]
+    fn pairs_stay_apart_along_their_larger_distance() {
+        let design = "vary = [\"size\", \"position\"]\nsmallest_cut_mm = 0.5\ngap_mm = 0.1";
+        let cube = [2.0, 2.0, 1.0];
+        let tiles = [
+            ([1.0, 0.0, 0.5], cube),
+            ([3.5, 0.25, 0.5], cube),
+            ([1.25, -2.5, 0.5], cube),
+            ([1.0, 0.0, 1.5], cube),
+            ([9.0, 0.0, 0.5], cube),
+        ];
+        let layout = layout(design, &tiles);
+        let problem = problem(&layout);
+        let rules = problem.least_squares.bounds.rules_of_pairs(&problem.pattern, &problem.pattern.start, 2.0);
+        let mut found: Vec<_> = rules
+            .iter()
+            .map(|rule| {
+                let (one, other) = (rule.tiles.0, rule.tiles.1.expect("a pair"));
+                (one.min(other), one.max(other), (rule.value.eval(&problem.pattern.start) * 1e9).round() * 1e-9)
+            })
+            .collect();
+        found.sort_by(|a, b| a.partial_cmp(b).expect("numbers"));
+        found.dedup();
+        // Without the gap of 0.1 mm. The tile above the first touches none of the others.
+        assert_eq!(found, [(0, 1, 0.4), (0, 2, 0.4), (1, 2, 0.65)]);
+        let far = problem.least_squares.bounds.rules_of_pairs(&problem.pattern, &problem.pattern.start, 4.0);
+        assert!(far.iter().any(|rule| rule.tiles == (1, Some(4)) || rule.tiles == (4, Some(1))));
+    }
+
+    /// The least distance that rounding keeps: of centres the next multiple of the resolution, of a
+    /// centre and its image the next even one, and one resolution more for other sums.
+    #[test]
+    fn least_distances_are_kept_by_rounding() {
+        let layout =
+            layout("vary = [\"position\"]\ngap_mm = 0.1\nresolution_mm = 0.25", &[([3.0, 0.0, 0.5], [2.0; 3])]);
+        let bounds = problem(&layout).least_squares.bounds;
+        let least = |constant: f64, terms: &[(usize, f64)]| {
+            let between = Affine { constant, terms: terms.to_vec() };
+            // In units of the resolution, without the constant.
+            ((bounds.least_distance_mm(&between) - constant) / 0.25 * 1e6).round() * 1e-6
+        };
+        let pair = [(0, -1.0), (1, 1.0)];
+        // 2.1 mm of 0.25 mm are 8.4 steps, 2.15 mm are exactly 9, and 2.0 with the gap are 8.4.
+        assert_eq!((least(-2.0, &pair), least(-2.15, &pair), least(-1.9, &pair)), (9.0, 9.0, 8.0));
+        assert_eq!(least(-2.0, &[(0, 2.0)]), 10.0);
+        assert_eq!(least(-2.0, &[(0, 1.0)]), 9.0);
+        let more = |terms: &[(usize, f64)]| bounds.least_distance_mm(&Affine { constant: -2.0, terms: terms.to_vec() });
+        assert_eq!([more(&[(0, 1.0), (1, 0.5)]), more(&[(0, 1.0), (1, 1.0), (2, 1.0)])], [0.35; 2]);
+        let sizes =
+            self::layout("vary = [\"size\"]\ngap_mm = 0.1\nresolution_mm = 0.25", &[([3.0, 0.0, 0.5], [2.0; 3])]);
+        let sizes = problem(&sizes).least_squares.bounds;
+        assert_eq!(sizes.least_distance_mm(&Affine { constant: -2.0, terms: pair.to_vec() }), 0.1);
+    }
 }

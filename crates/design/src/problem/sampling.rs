@@ -203,3 +203,84 @@ pub(crate) fn matrix(map: &PolarizationMap, point: usize) -> DMat3 {
     let [x, y, z] = [0, 1, 2].map(|component| DVec3::from_slice(map.row(point, component)));
     DMat3::from_cols(x, y, z).transpose()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sampling(lower: [f64; 3], upper: [f64; 3], counts: [usize; 3], reference: [f64; 3]) -> [Sampling; 3] {
+        let grid = Grid::new(lower.into(), upper.into(), counts).unwrap();
+        [Symmetry::None, Symmetry::Mirror, Symmetry::FourFold]
+            .map(|symmetry| Sampling::new(grid, reference.into(), symmetry))
+    }
+
+    /// Whether the operations of no symmetry, of the mirrors and of all four folds map grid and
+    /// reference onto themselves.
+    #[test]
+    fn symmetric_grids_are_known() {
+        let of = |lower, upper, counts, reference| {
+            sampling(lower, upper, counts, reference).map(|sampling| sampling.is_symmetric())
+        };
+        let (lower, upper, on_axis) = ([-2.0, -2.0, -5.0], [2.0, 2.0, -3.0], [0.0, 0.0, -5.0]);
+        assert_eq!(of(lower, upper, [5, 5, 2], on_axis), [true; 3]);
+        assert_eq!(of(lower, upper, [5, 3, 2], on_axis), [true, true, false]);
+        assert_eq!(of(lower, [2.0, 2.5, -3.0], [5, 5, 2], on_axis), [true, false, false]);
+        assert_eq!(of([-2.5, -2.0, -5.0], upper, [5, 5, 2], on_axis), [true, false, false]);
+        assert_eq!(of([-2.0, -1.0, -5.0], [2.0, 1.0, -3.0], [5, 5, 2], on_axis), [true, true, false]);
+        assert_eq!(of(lower, upper, [5, 5, 2], [0.5, 0.5, -5.0]), [true, false, false]);
+        // Round-off of coordinates is none of a grid.
+        assert_eq!(of([-2.0, -2.0, -5.0], [2.0 + 1e-12, 2.0, -3.0], [5, 5, 2], on_axis), [true; 3]);
+        assert_eq!(
+            sampling(lower, upper, [5, 5, 2], on_axis).map(|sampling| sampling.exchanges()),
+            [false, false, true]
+        );
+    }
+
+    /// Each point is the image of a computed one, and no computed point is an image of another.
+    #[test]
+    fn points_are_images_of_few_computed_points() {
+        let all = sampling([-2.0, -2.0, -5.0], [2.0, 2.0, -3.0], [5, 5, 2], [0.0, 0.0, -5.0]);
+        // Of 5 x 5 points in a plane: all, a quarter with its borders, an eighth with its borders.
+        for (sampling, computed) in all.iter().zip([25, 9, 6]) {
+            assert_eq!(sampling.computed().len(), 2 * computed + 1);
+            assert_eq!(sampling.computed().last(), Some(&sampling.reference));
+            for (point, &(index, operation)) in sampling.grid.points().zip(sampling.images()) {
+                assert!(operation.apply(sampling.computed()[index]).distance(point) < 1e-12);
+            }
+            assert_eq!(sampling.recoil_t.len(), sampling.computed().len());
+        }
+    }
+
+    /// Residuals share a number if their points share a computed point, and their axes are mapped
+    /// onto each other.
+    #[test]
+    fn classes_are_the_axes_of_computed_points() {
+        let [_, _, four_fold] = sampling([-2.0, -2.0, -5.0], [2.0, 2.0, -3.0], [3, 3, 1], [0.0, 0.0, -5.0]);
+        let classes = four_fold.classes().expect("on the axis");
+        for (point, &(index, operation)) in four_fold.images().iter().enumerate() {
+            let found = &classes[3 * point..][..3];
+            let axis = |axis: usize| 3 * index + axis;
+            let known = if operation.exchange { [axis(1), axis(0), axis(2)] } else { [axis(0), axis(1), axis(2)] };
+            assert_eq!(found, known);
+        }
+        assert!(four_fold.images().iter().any(|(_, operation)| operation.exchange));
+        for reference in [[0.1, 0.0, -5.0], [0.0, 0.1, -5.0]] {
+            let [beside, ..] = sampling([-2.0, -2.0, -5.0], [2.0, 2.0, -3.0], [3, 3, 1], reference);
+            assert_eq!(beside.classes(), None);
+        }
+    }
+
+    /// Polynomials of as many terms as the grid has points along an axis are summed exactly.
+    #[test]
+    fn weights_sum_over_another_grid() {
+        let [sampling, ..] = sampling([-2.0, -1.0, -5.0], [2.0, 1.5, -3.0], [5, 4, 3], [0.0, 0.0, -5.0]);
+        let other = Grid::new(sampling.grid.lower(), sampling.grid.upper(), [9, 10, 6]).unwrap();
+        let weights = sampling.weights_for(&other);
+        for (i, j, k) in [(0, 0, 0), (4, 3, 2), (1, 2, 0), (3, 0, 1)] {
+            let f = |p: DVec3| p.x.powi(i) * p.y.powi(j) * p.z.powi(k);
+            let known: f64 = other.points().map(f).sum();
+            let found: f64 = sampling.grid.points().zip(&weights).map(|(p, weight)| weight * f(p)).sum();
+            assert!((found - known).abs() < 1e-9 * (1.0 + known.abs()), "{i} {j} {k}: {found}, not {known}");
+        }
+    }
+}

@@ -155,4 +155,73 @@ mod tests {
         let odd = [tile(2.0, 0.0, DVec3::X), tile(-2.0, 0.0, DVec3::X)];
         assert_eq!(orbits(&odd, Symmetry::Mirror).unwrap_err(), [0, 1]);
     }
+
+    /// Orbits under all symmetries: the first tile has x >= y >= 0, its images are those of the
+    /// operations, and it knows the mirrors that it lies on.
+    #[test]
+    fn orbits_begin_in_the_first_eighth() {
+        let tile = |x: f64, y: f64, j: DVec3| Tile::new(DVec3::new(x, y, 0.5), DVec3::new(1.0, 1.0, 2.0), j).unwrap();
+        let images = |x: f64, y: f64, symmetry: Symmetry| -> Vec<Tile> {
+            let mut tiles: Vec<Tile> = Vec::new();
+            for operation in SymmetryOperation::all(symmetry).into_iter().rev() {
+                let at = DVec3::new(x, y, 0.0);
+                let image = operation.apply(at);
+                if tiles.iter().all(|known| known.position().truncate() != image.truncate()) {
+                    tiles.push(tile(image.x, image.y, operation.apply(at)));
+                }
+            }
+            tiles
+        };
+        for (x, y, symmetry, count, on_mirror, on_diagonal) in [
+            (3.0, 2.0, Symmetry::FourFold, 8, [false; 2], false),
+            (3.0, 3.0, Symmetry::FourFold, 4, [false; 2], true),
+            (3.0, 0.0, Symmetry::FourFold, 4, [false, true], false),
+            (2.0, 3.0, Symmetry::Mirror, 4, [false; 2], false),
+            (0.0, 3.0, Symmetry::Mirror, 2, [true, false], false),
+        ] {
+            let tiles = images(x, y, symmetry);
+            assert_eq!(tiles.len(), count);
+            let found = orbits(&tiles, symmetry).unwrap();
+            assert_eq!(found.len(), 1, "{x} {y}");
+            let Orbit { tile: first, images, .. } = &found[0];
+            assert_eq!(tiles[*first].position().truncate().to_array(), [x, y]);
+            assert_eq!((found[0].on_mirror, found[0].on_diagonal), (on_mirror, on_diagonal));
+            assert_eq!(found[0].is_fixed_direction(), on_diagonal || on_mirror != [false; 2]);
+            assert_eq!((images.len(), images[0]), (count, (SymmetryOperation::IDENTITY, *first)));
+            for (operation, index) in images {
+                assert_eq!(operation.apply(tiles[*first].position()), tiles[*index].position());
+            }
+        }
+    }
+
+    /// Positions, sizes and polarizations of images may differ by a millionth, and rotated tiles
+    /// have no images.
+    #[test]
+    fn images_agree_to_a_millionth() {
+        let tile = |x: f64, width: f64, j: f64| {
+            Tile::new(DVec3::new(x, 0.0, 0.5), DVec3::new(width, 2.0, 1.0), DVec3::new(j, 0.0, 0.0)).unwrap()
+        };
+        let mirror = SymmetryOperation { exchange: false, signs: [-1.0, 1.0] };
+        let first = tile(3.0, 4.0, 0.1);
+        // A millionth of the longest side, 4 mm, and of the polarization.
+        for (other, is_so) in [
+            (tile(-3.0, 4.0, -0.1), true),
+            (tile(-3.0 - 3.9e-6, 4.0, -0.1), true),
+            (tile(-3.0 - 4.1e-6, 4.0, -0.1), false),
+            (tile(-3.0, 4.0 + 3.9e-6, -0.1), true),
+            (tile(-3.0, 4.0 + 4.1e-6, -0.1), false),
+            (tile(-3.0, 4.0, -0.1 - 0.9e-7), true),
+            (tile(-3.0, 4.0, -0.1 - 1.1e-7), false),
+            (tile(-3.0, 4.0, 0.1), false),
+        ] {
+            assert_eq!(is_image(&first, &other, mirror), is_so, "{other:?}");
+        }
+        let turned = first.rotated(glam::DQuat::from_rotation_z(0.1)).unwrap();
+        assert!(is_image(&turned, &turned, SymmetryOperation::IDENTITY));
+        let half = tile(0.0, 4.0, 0.0);
+        let turned = half.rotated(glam::DQuat::from_rotation_z(0.1)).unwrap();
+        assert!(
+            is_image(&half, &half, mirror) && !is_image(&half, &turned, mirror) && !is_image(&turned, &half, mirror)
+        );
+    }
 }

@@ -287,13 +287,4 @@ fn to_multiple(value: f64, step: f64) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn multiples_become_short_decimals_without_negative_zero() {
-        assert_eq!(decimal(to_multiple(0.30000000000000004, 0.1)), 0.3);
-        assert_eq!(decimal(to_multiple(-2.3456, 0.001)), -2.346);
-        assert_eq!(decimal(to_multiple(-1e-9, 0.001)).to_bits(), 0.0_f64.to_bits());
-    }
-}
+mod tests;

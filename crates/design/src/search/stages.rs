@@ -299,3 +299,116 @@ pub(crate) struct BestOfStarts {
     /// Whether the film keeps its rules after rounding.
     pub(crate) keeps_rules: bool,
 }
+
+#[cfg(test)]
+mod tests {
+    use magsplice_decouple::Figures;
+    use magsplice_layout::Layout;
+
+    use super::*;
+
+    fn layout(design: &str) -> Layout {
+        let text = format!(
+            "format = 1\nname = \"film\"\n[ideal]\nwavelength_mm = 10.0\nthickness_mm = 1.0\namplitude_t = 0.12\n\
+             [volume]\nx_mm = [-2.0, 2.0]\ny_mm = [-2.0, 2.0]\nz_mm = [-5.0, -3.0]\nstep_mm = 2.0\n\
+             [design]\nvary = [\"size\", \"position\"]\nsmallest_cut_mm = 1.9\n\
+             outline_mm = {{ x = [-4.0, 4.0], y = [-4.0, 4.0] }}\n{design}\n\
+             [[tile]]\nposition_mm = [-1.7, 0.3, 0.5]\nsize_mm = [3.0, 2.0, 1.0]\npolarization_t = [-0.1, 0.05, 0.0]\n\
+             [[tile]]\nposition_mm = [1.7, 0.1, 0.5]\nsize_mm = [3.1, 2.5, 1.0]\npolarization_t = [0.1, 0.06, 0.0]\n"
+        );
+        Layout::parse(&text, "film").unwrap_or_else(|e| panic!("{e}"))
+    }
+
+    /// The root of the weighted sum of squares, of the figures that the goal names.
+    #[test]
+    fn error_is_the_weighted_sum_of_squares_of_the_goal() {
+        let metrics = Metrics {
+            points: 9,
+            figures: Figures {
+                uniformity_rmse: [Some(0.1), Some(0.2), None].into(),
+                displacement_rmse_mm: [3.0, 4.0, 5.0].into(),
+                amplitude: 0.5,
+            },
+            ideal_rmse: [7.0; 3].into(),
+            scaled_relative_rmse: Some(0.3),
+        };
+        let error = |goal: &str, metrics: &Metrics| {
+            let layout = layout(&format!("goal = \"{goal}\"\nweights = {{ r_x = 1.0, r_y = 4.0, s_z = 0.5 }}"));
+            DesignProblem::new(&layout).unwrap_or_else(|e| panic!("{e}")).error(metrics, None)
+        };
+        assert!((error("uniformity", &metrics) - 0.17_f64.sqrt()).abs() < 1e-15);
+        assert!((error("displacement", &metrics) - 85.5_f64.sqrt()).abs() < 1e-14);
+        assert_eq!(error("field", &metrics), 0.3);
+        assert_eq!(error("field", &Metrics { scaled_relative_rmse: None, ..metrics }), f64::INFINITY);
+        // The smaller amplitude of the two grids.
+        let larger = Metrics { figures: Figures { amplitude: 0.7, ..metrics.figures }, ..metrics };
+        assert_eq!([smaller_amplitude(&[metrics, larger]), smaller_amplitude(&[larger, metrics])], [0.5; 2]);
+    }
+
+    /// Starts keep the rules, lie within the longest steps of the first one, and depend on the seed
+    /// and their number alone.
+    #[test]
+    fn starts_lie_within_the_longest_steps() {
+        let of = |seed: u64| layout(&format!("gap_mm = 0.0\nseed = {seed}"));
+        let (one, other) = (of(1), of(2));
+        let [one, other] = [&one, &other].map(|layout| DesignProblem::new(layout).unwrap_or_else(|e| panic!("{e}")));
+        let first = &one.pattern.start;
+        let steps = one.least_squares.steps(&one.pattern);
+        let mut furthest = 0.0_f64;
+        for index in 1..20 {
+            let start = one.start(first, index).expect("a film");
+            assert!(one.least_squares.nearest(&one.pattern, &start).is_ok_and(|nearest| nearest == start));
+            let parts = start.iter().zip(first).zip(&steps).map(|((to, from), step)| ((to - from) / step).abs());
+            furthest = parts.fold(furthest, f64::max);
+            assert_eq!(one.start(first, index), Some(start.clone()));
+            assert_ne!(one.start(first, index + 1), Some(start.clone()));
+            assert_ne!(other.start(first, index), Some(start));
+        }
+        // Moves that keep the rules may be a little longer than the deviates.
+        assert!((0.8..1.5).contains(&furthest), "{furthest}");
+    }
+
+    /// The best start, by its merit after rounding, and the number of starts near the best.
+    #[test]
+    fn best_start_has_the_least_merit() {
+        let layout = layout("starts = 5\nresolution_mm = 0.001");
+        let problem = DesignProblem::new(&layout).unwrap_or_else(|e| panic!("{e}"));
+        let squares = &problem.least_squares;
+        let first = squares.nearest(&problem.pattern, &problem.pattern.start).expect("a film");
+        let starts = (0..5).map(|index| if index == 0 { Some(first.clone()) } else { problem.start(&first, index) });
+        let all: Vec<Candidate> = starts
+            .flatten()
+            .filter_map(|start| {
+                squares.descend(&problem.pattern, start, MOST_STEPS, &mut |_| ControlFlow::Continue(()))
+            })
+            .collect();
+        let merit = |found: &Candidate| {
+            rounding::rounded_merit(&problem, &problem.pattern, &found.variables).unwrap_or(f64::INFINITY)
+        };
+        let least = all.iter().map(Candidate::merit).fold(f64::INFINITY, f64::min);
+        let agreeing = all.iter().filter(|found| found.merit() <= 1.2 * least).count();
+        let best = all.iter().min_by(|a, b| merit(a).total_cmp(&merit(b))).expect("a film");
+        let found =
+            problem.best_of_starts(&Watch::new(&|_| ControlFlow::Continue(()))).unwrap_or_else(|e| panic!("{e}"));
+        assert_eq!((&found.best, found.agreeing), (best, agreeing));
+        assert_eq!(found.keeps_rules, merit(best).is_finite());
+    }
+
+    /// Rounding with shared sizes may move each of two neighbours by a step. Centres keep their
+    /// distance by themselves.
+    #[test]
+    fn gaps_widen_by_two_steps_of_the_resolution() {
+        let gap = |design: &str| {
+            let layout = layout(&format!("gap_mm = 0.1\nresolution_mm = 0.02\n{design}"));
+            let mut brief = layout.brief.clone().expect("a design");
+            if design.contains("centres") {
+                brief.vary = [magsplice_layout::Variable::Position].into();
+            }
+            let mut problem = DesignProblem::from_brief(&layout, brief).unwrap_or_else(|e| panic!("{e}"));
+            problem.leave_room_for_rounding();
+            problem.least_squares.bounds.gap.least_mm
+        };
+        assert!((gap("") - 0.14).abs() < 1e-15);
+        assert_eq!(gap("# centres"), 0.1);
+    }
+}

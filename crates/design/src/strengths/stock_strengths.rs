@@ -68,3 +68,42 @@ fn without(pattern: &Pattern, variable: usize, value: f64) -> Pattern {
     pattern.start.remove(variable);
     pattern
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Terms of the variable become a part of the constant. Later variables have the next lower
+    /// number.
+    #[test]
+    fn variables_are_replaced_by_constants() {
+        let text = "format = 1\nname = \"film\"\n[ideal]\nwavelength_mm = 10.0\nthickness_mm = 1.0\namplitude_t = 0.12\n\
+                    [volume]\nx_mm = [-2.0, 2.0]\ny_mm = [-2.0, 2.0]\nz_mm = [-5.0, -3.0]\nstep_mm = 2.0\n\
+                    [design]\nvary = [\"size\", \"direction\", \"strength\"]\nstrength_t = { min = 0.0, max = 0.2 }\n\
+                    [[tile]]\nposition_mm = [-2, 0, 0.5]\nsize_mm = [3, 2, 1]\npolarization_t = [-0.1, 0.05, 0]\n\
+                    [[tile]]\nposition_mm = [2, 0, 0.5]\nsize_mm = [3, 2, 1]\npolarization_t = [0.1, 0.06, 0]\n";
+        let layout = magsplice_layout::Layout::parse(text, "film").unwrap_or_else(|e| panic!("{e}"));
+        let pattern = DesignProblem::new(&layout).unwrap_or_else(|e| panic!("{e}")).pattern;
+        let n = pattern.start.len();
+        assert_eq!(n, 8);
+        // Directions without a free angle are those of the layout.
+        let kinds = pattern.kinds.iter().enumerate().filter(|(_, kind)| **kind != VariableKind::Angle);
+        for (variable, kind) in kinds {
+            let value = pattern.start[variable] + 0.01;
+            let fixed = without(&pattern, variable, value);
+            let mut changed = pattern.start.clone();
+            changed[variable] = value;
+            assert_eq!(fixed.all_tiles(&fixed.start), pattern.all_tiles(&changed), "{kind:?}");
+            // Each other variable still has its effect.
+            for other in (0..n).filter(|other| *other != variable) {
+                let mut left = fixed.start.clone();
+                let at = other - usize::from(other > variable);
+                assert_eq!(fixed.kinds[at], pattern.kinds[other]);
+                left[at] += 0.02;
+                let mut all = changed.clone();
+                all[other] += 0.02;
+                assert_eq!(fixed.all_tiles(&left), pattern.all_tiles(&all), "{kind:?}, {other}");
+            }
+        }
+    }
+}

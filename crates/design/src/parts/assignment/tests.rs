@@ -143,3 +143,136 @@ fn parts_in_stock_are_recognized_by_their_symmetry() {
         assert!((found.angle - angle_deg.to_radians()).abs() < 1e-15, "{}", found.angle);
     }
 }
+
+/// The parts of a changed film make its tiles, and a part in stock stays as it is, to the last
+/// digit.
+#[test]
+fn parts_follow_the_film_except_parts_in_stock() {
+    let stock = "{ size_mm = [2.0, 3.0], direction_deg = 30.0 }";
+    let layout = layout("none", stock, &[([-3.0, 1.0], [3.0, 2.0], 60.0), ([3.0, 1.0], [2.5, 1.5], 150.0)]);
+    let problem = problem(&layout);
+    let nearest = assignment(&problem).merged(true).into_iter().min_by(|a, b| a.distance.total_cmp(&b.distance));
+    let of_stock = nearest.expect("the part in stock").assignment;
+    let of_stock_pattern = of_stock.pattern(&problem.brief, &problem.pattern);
+    for (assignment, pattern) in [(assignment(&problem), &problem.pattern), (of_stock, &of_stock_pattern)] {
+        let changed =
+            pattern.start.iter().enumerate().map(|(number, value)| value + 0.01 * (1.0 + number as f64).sin());
+        let candidate = problem.least_squares.candidate_at(pattern, changed.collect()).expect("a field");
+        let in_stock = |parts: &PartAssignment| -> Vec<([f64; 2], f64, f64)> {
+            let whole = parts.parts.iter().filter(|part| part.in_stock);
+            whole.map(|part| (part.size, part.angle, part.strength)).collect()
+        };
+        let before = in_stock(&assignment);
+        let updated = assignment.updated(pattern, &candidate);
+        assert_eq!(in_stock(&updated), before);
+        let tiles = pattern.all_tiles(&candidate.variables).expect("sides above 0");
+        assert!(tiles.iter().zip(layout.bare_tiles()).all(|(tile, start)| tile.position() != start.position()));
+        assert_same(&made(&updated, &problem), &tiles);
+    }
+}
+
+/// Rectangles in all eight orientations are one part, with its long side first and its polarization
+/// within the first right angle, and the part makes them again.
+#[test]
+fn tiles_in_all_orientations_are_equal_parts() {
+    let mut tiles = Vec::new();
+    for (n, turned_deg) in [20.0, 160.0, 200.0, 340.0].into_iter().enumerate() {
+        tiles.push(([4.0 * n as f64, 0.0], [3.0, 2.0], turned_deg));
+        // Exchanged, a direction of 20 degrees is one of 70.
+        tiles.push(([4.0 * n as f64, 5.0], [2.0, 3.0], 90.0 - turned_deg));
+    }
+    let layout = layout("none", "", &tiles);
+    let problem = problem(&layout);
+    let found = assignment(&problem);
+    for part in &found.parts {
+        let known = ([3.0, 2.0], 20.0_f64.to_radians(), 0.12);
+        assert!((part.size[0] - known.0[0]).abs() < 1e-12 && (part.size[1] - known.0[1]).abs() < 1e-12, "{part:?}");
+        assert!((part.angle - known.1).abs() < 1e-12 && (part.strength - known.2).abs() < 1e-15, "{part:?}");
+        assert!(part.class == SymmetryClass::Free && !part.in_stock);
+    }
+    assert_same(&made(&found, &problem), &layout.bare_tiles());
+    for operation in SymmetryOperation::all(magsplice_layout::Symmetry::FourFold) {
+        let angle = operation.apply_to_angle(&Affine::constant(0.3)).constant;
+        let arrow = operation.apply(DVec3::new(0.3_f64.cos(), 0.3_f64.sin(), 0.0));
+        assert!(arrow.distance(DVec3::new(angle.cos(), angle.sin(), 0.0)) < 1e-15, "{operation:?}");
+        let exchanged = operation.after_exchange().apply(DVec3::new(0.3_f64.sin(), 0.3_f64.cos(), 0.0));
+        assert!(arrow.distance(exchanged) < 1e-15, "{operation:?}");
+    }
+}
+
+/// Merged parts have the mean of their tiles, each counted once. The nearest sizes are merged
+/// first, with exchanged sides if that is nearer.
+#[test]
+fn merged_parts_are_the_mean_of_their_tiles() {
+    let tiles = [
+        ([0.0, 0.0], [3.0, 2.0], 20.0),
+        ([5.0, 0.0], [3.3, 2.6], 26.0),
+        ([10.0, 0.0], [2.2, 4.0], 110.0),
+        ([0.0, 5.0], [3.0, 2.9], 40.0),
+    ];
+    let layout = layout("none", "", &tiles);
+    let problem = problem(&layout);
+    let all = assignment(&problem);
+    // Long sides first: 3.0 x 2.0, 3.3 x 2.6, 4.0 x 2.2 at 20 degrees, and 3.0 x 2.9.
+    let is_part = |part: &DistinctPart, size: [f64; 2], angle_deg: f64| {
+        let near = |a: f64, b: f64| (a - b).abs() < 1e-12;
+        near(part.size[0], size[0]) && near(part.size[1], size[1]) && near(part.angle, angle_deg.to_radians())
+    };
+    let two = all.with_merged(0, 1, false, true).expect("free");
+    assert!((two.distance - 0.3_f64.hypot(0.6)).abs() < 1e-12);
+    assert!(is_part(&two.assignment.parts[1], [3.15, 2.3], 23.0), "{:?}", two.assignment.parts[1]);
+    assert_eq!((two.assignment.used(), two.assignment.free()), (vec![1, 2, 3], 3));
+    // One tile joins two others.
+    let three = two.assignment.with_merged(2, 1, false, true).expect("free").assignment;
+    let mean = |one: f64, pair: f64| one / 3.0 + 2.0 * pair / 3.0;
+    assert!(is_part(&three.parts[1], [mean(4.0, 3.15), mean(2.2, 2.3)], mean(20.0, 23.0)), "{:?}", three.parts[1]);
+    // Where directions stay, the second part keeps its own.
+    let fixed = all.with_merged(0, 1, false, false).expect("free").assignment;
+    assert!(is_part(&fixed.parts[1], [3.15, 2.3], 26.0), "{:?}", fixed.parts[1]);
+    assert_eq!(all.pairs(), [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)]);
+    assert_eq!(all.merged(true).len(), 12);
+    // 3.3 x 2.6 and 3.0 x 2.9 are the nearest, by 0.42; with exchanged sides they are 0.57 apart.
+    let nearest = all.nearest_merged(true).expect("free");
+    assert_eq!(nearest.used(), [0, 2, 3]);
+    assert!(is_part(&nearest.parts[3], [3.15, 2.75], 33.0), "{:?}", nearest.parts[3]);
+}
+
+/// Parts in stock absorb others, and are absorbed by none. Parts whose demands contradict each
+/// other are not merged.
+#[test]
+fn parts_merge_only_where_stock_and_symmetry_allow() {
+    let stock = "{ size_mm = [2.0, 3.0], direction_deg = 30.0 }, { size_mm = [2.0, 2.0], direction_deg = 45.0 }";
+    let layout = layout("none", stock, &[([-3.0, 1.0], [3.0, 2.0], 60.0), ([3.0, 1.0], [2.5, 1.5], 150.0)]);
+    let problem = problem(&layout);
+    let all = assignment(&problem);
+    assert_eq!(all.pairs(), [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3)]);
+    assert_eq!((all.used(), all.free()), (vec![0, 1], 2));
+    let absorbed = all.with_merged(0, 2, false, true).expect("free").assignment;
+    assert_eq!((absorbed.parts[2].size, absorbed.free(), absorbed.used()), ([2.0, 3.0], 1, vec![1, 2]));
+    assert_eq!(absorbed.pairs(), [(1, 2), (1, 3)]);
+    let (free, axis, diagonal) = (SymmetryClass::Free, SymmetryClass::Axis, SymmetryClass::Diagonal);
+    for (one, other, both) in [
+        (free, free, Some(free)),
+        (free, axis, Some(axis)),
+        (diagonal, free, Some(diagonal)),
+        (axis, axis, Some(axis)),
+        (axis, diagonal, None),
+        (diagonal, axis, None),
+    ] {
+        assert_eq!(one.and(other), both, "{one:?} {other:?}");
+    }
+    // A diagonal part in stock cannot be one along an axis, and a free one cannot become one.
+    let mut demanding = all.clone();
+    demanding.parts[0].class = axis;
+    assert!(demanding.with_merged(0, 3, false, true).is_none() && demanding.with_merged(0, 2, false, true).is_none());
+    assert!(demanding.with_merged(0, 1, true, true).is_some());
+    demanding.parts[1].class = axis;
+    assert!(demanding.with_merged(0, 1, true, true).is_none() && demanding.with_merged(0, 1, false, true).is_some());
+    // Means along an axis and of a square.
+    let axes = demanding.with_merged(0, 1, false, true).expect("both along an axis").assignment.parts[1];
+    assert_eq!((axes.class, axes.angle), (axis, 0.0));
+    demanding.parts[0].class = diagonal;
+    demanding.parts[1].class = free;
+    let square = demanding.with_merged(0, 1, false, true).expect("one is free").assignment.parts[1];
+    assert_eq!((square.class, square.angle, square.size), (diagonal, FRAC_PI_4, [2.25; 2]));
+}
