@@ -56,11 +56,13 @@ mod tests {
     /// Tables have places down to the third level, and lists one place for each item.
     #[test]
     fn tables_and_items_have_the_places_of_the_text() {
-        let text = "a = 1\n[t]\nb = 2\n[t.u]\nc = 3\n[t.u.v.w]\nd = 4\n[[l]]\ne = 5\n[[l]]\nf = [6]\n";
+        let text = "a = 1\ng = [7, 8]\n[t]\nb = 2\n[t.u]\nc = 3\n[t.u.v.w]\nd = 4\n[[l]]\ne = 5\n[[l]]\nf = [6]\n";
         let document = DeTable::parse(text).unwrap();
         let place = Place::of_document(&document);
         let at = |pattern: &str| text.find(pattern).unwrap();
         assert_eq!((place.start, place.key("a").start), (0, at("1")));
+        let values = place.key("g");
+        assert_eq!((values.start, values.item(1).start, values.item(2).start), (at("[7"), at("8"), at("[7")));
         let table = place.key("t");
         assert_eq!((table.start, table.key("b").start), (at("[t]"), at("2")));
         let second = table.key("u");
