@@ -281,4 +281,10 @@ mod tests {
         assert_eq!(finer(&grid).counts(), [21, 16, 1]);
         assert_eq!((finer(&grid).lower(), finer(&grid).upper()), (grid.lower(), grid.upper()));
     }
+
+    #[test]
+    fn shown_lengths_have_no_round_off() {
+        assert_eq!([shown_mm(0.1 + 0.2), shown_mm(-2.5)], [0.3, -2.5]);
+        assert_eq!(shown_mm(-1e-9).to_bits(), 0.0_f64.to_bits());
+    }
 }

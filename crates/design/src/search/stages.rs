@@ -411,4 +411,24 @@ mod tests {
         assert!((gap("") - 0.14).abs() < 1e-15);
         assert_eq!(gap("# centres"), 0.1);
     }
+
+    /// A film that keeps its rules after rounding is searched once. A second search would widen the
+    /// gap, which binds the best film here.
+    #[test]
+    fn films_that_keep_their_rules_are_searched_once() {
+        let layout = layout("gap_mm = 0.35\nresolution_mm = 0.001\nstarts = 1");
+        let problem = DesignProblem::new(&layout).unwrap_or_else(|e| panic!("{e}"));
+        let watch = Watch::new(&|_| ControlFlow::Continue(()));
+        let film = |problem: &DesignProblem| {
+            let found = problem.best_of_starts(&watch).unwrap_or_else(|e| panic!("{e}"));
+            let keeps_rules = found.keeps_rules;
+            (keeps_rules, problem.finished(found, &watch).unwrap_or_else(|e| panic!("{e}")).tiles)
+        };
+        let (keeps_rules, tiles) = film(&problem);
+        let found = problem.search(&|_| ControlFlow::Continue(())).unwrap_or_else(|e| panic!("{e}"));
+        assert!(keeps_rules && found.tiles == tiles);
+        let mut wider = problem.clone();
+        wider.least_squares.bounds.gap.least_mm += 0.001;
+        assert_ne!(film(&wider).1, tiles);
+    }
 }
