@@ -111,7 +111,7 @@ LAYER = {"area_mm2": 1, "thickness_mm": 1, "youngs_modulus_mpa": 2, "poisson_rat
 def forces(published):
     """A film with 1 N/mm in shear and 2 N/mm normal to it, forces and readings."""
     moved = published.replace(elastomer=LAYER).experiment()
-    return published.replace(elastomer=LAYER), np.add(moved.force_n, (0.1, 0, 0)), moved.reading_t
+    return published.replace(elastomer=LAYER), np.add(moved.force_n, (0.1, 0, 0)), moved.readings_t
 
 
 def test_calibrations_find_the_stiffness(forces):
@@ -172,3 +172,14 @@ def test_readings_print_their_first_displacements(published):
     ]
     assert shown[0][-1] == "mm"
     assert shown[-1][1:] == ["1", "more"]
+
+
+def test_outliers_at_a_limit_are_a_plateau(published):
+    # The upper end of b_z cut, as by a sensor whose range is smaller than stated.
+    grid = published.grid
+    readings = np.asarray(published.b(grid)).reshape(-1, 3)
+    limit = 0.97 * readings[:, 2].max()
+    readings[:, 2] = np.minimum(readings[:, 2], limit)
+    plateau = published.scan(grid.points_mm.reshape(-1, 3), readings).excluded.plateau
+    assert (plateau.axis, plateau.reading_t) == ("z", limit)
+    assert plateau.outliers > 1

@@ -89,6 +89,7 @@ from magsplice._samples import SampledFilm, Samples, statistics
 from magsplice._scan import (
     ExcludedReadings,
     FittedScan,
+    Plateau,
     SampledScan,
     Scan,
     ScanUniformity,
@@ -146,6 +147,7 @@ __all__ = [
     "PerParameter",
     "PlacedTile",
     "PlacementOrder",
+    "Plateau",
     "PointFault",
     "PointsError",
     "Readings",
