@@ -274,10 +274,7 @@ pub(crate) fn about_amplitude(subject: FindingSubject, least: f64) -> Option<Fin
     let table = if subject == FindingSubject::Design { "design" } else { "expect" };
     (least > LARGEST_AMPLITUDE).then(|| {
         let percent = typed(100.0 * least);
-        let meant = match percent.is_finite() {
-            true => format!(", so {percent} %: did you mean {}?", typed(0.01 * least)),
-            false => ", and no film reaches it".to_owned(),
-        };
+        let meant = format!(", so {percent} %: did you mean {}?", typed(0.01 * least));
         let message = format!("{table}: amplitude.min = {least} is a fraction of the ideal film's field{meant}");
         Finding::new(subject, message)
     })

@@ -8,6 +8,9 @@ use crate::error::LayoutFault;
 use crate::finding::{Finding, FindingSubject};
 use crate::limits::{MAX_LISTED, SAMPLE_COUNTS};
 
+/// Largest magnitude of a number that is no length. Products of three such numbers are finite.
+const LARGEST_NUMBER: f64 = 1e100;
+
 /// The broken rules found so far in one file: the first [`MAX_LISTED`], and the number of the
 /// others. Beside them the findings about what is allowed.
 pub(crate) struct Faults<'t> {
@@ -98,8 +101,13 @@ impl TableFaults<'_, '_> {
 
     /// Adds a fault unless a rule about the number of a key is kept, or the key is not given.
     pub(crate) fn number(&mut self, key: impl Display, value: impl Into<Option<f64>>, rule: Rule) {
-        if let Some(value) = value.into() {
-            self.require((rule.is_kept)(value), key, value, rule.words);
+        match value.into() {
+            None => {}
+            Some(value) if value.is_finite() && value.abs() > LARGEST_NUMBER => {
+                let words = format_args!("must be at most {LARGEST_NUMBER:e} in magnitude");
+                self.require(false, key, format_args!("{value:e}"), words);
+            }
+            Some(value) => self.require((rule.is_kept)(value), key, value, rule.words),
         }
     }
 

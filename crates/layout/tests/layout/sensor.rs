@@ -136,8 +136,10 @@ fn wrong_values_are_named_with_their_rule() {
     ] {
         assert!(layer.contains(message), "{message} is not in\n{layer}");
     }
-    let stiff = "[elastomer]\narea_mm2 = 1e300\nthickness_mm = 1e-300\nyoungs_modulus_mpa = 1\npoisson_ratio = 0";
+    let stiff = "[elastomer]\narea_mm2 = 1e100\nthickness_mm = 1e-300\nyoungs_modulus_mpa = 1\npoisson_ratio = 0";
     assert!(refused(stiff).contains("must be a finite number greater than 0"), "{}", refused(stiff));
+    let loud = refused("[sensor]\nnoise_ut = 1.1e100");
+    assert!(loud.contains("noise_ut = 1.1e100, must be at most 1e100 in magnitude"), "{loud}");
     // A number in quotes, and a list of two.
     assert!(refused("[sensor]\nnoise_ut = \"5\"").contains("noise_ut"));
     assert!(
