@@ -3,14 +3,12 @@
 use std::path::Path;
 
 use magsplice::FilmError;
-use magsplice::layout::{Layout, PartSetting, StatedSensor};
+use magsplice::layout::Layout;
 use magsplice::magnet::PointErrorCause;
-use magsplice::prelude::DVec3;
 
 use crate::failure::Failure;
 use crate::faults::FaultList;
-use crate::text::number::{number, point};
-use crate::text::units::in_mt;
+use crate::text::number::point;
 
 /// The failure of a film: points without a field one by one, with the names of tiles.
 pub(crate) fn film_failure(path: &Path, layout: &Layout, error: FilmError) -> Failure {
@@ -23,26 +21,6 @@ pub(crate) fn film_failure(path: &Path, layout: &Layout, error: FilmError) -> Fa
         faults.add(0, format!("point {} mm: {}", point(p), no_field(error.cause, layout)));
     }
     faults.failure(path.display())
-}
-
-/// The setting of a sensor's part that holds these readings, and its range, as the end of a
-/// sentence. `None` if no setting holds them.
-pub(crate) fn larger_range<'r>(
-    sensor: &StatedSensor,
-    readings_t: impl IntoIterator<Item = &'r DVec3>,
-) -> Option<String> {
-    sensor.setting_for(readings_t).map(range_of_setting)
-}
-
-/// A setting and its range, as the end of a sentence.
-pub(crate) fn range_of_setting((setting, range_t): (PartSetting, DVec3)) -> String {
-    format!("; {setting} in [sensor] has the range {}", flux_density_mt(range_t))
-}
-
-/// A flux density along x, y, z.
-pub(crate) fn flux_density_mt(vector_t: DVec3) -> String {
-    let [x, y, z] = in_mt(vector_t).to_array().map(number);
-    format!("({x}, {y}, {z}) mT")
 }
 
 /// Why there is no field at a point.

@@ -55,6 +55,20 @@ const MOST_RESIDUAL: f64 = 0.2;
 /// residual is the noise.
 const HELD: f64 = 1.5;
 
+/// Share of the readings up to which a residual is round-off, of readings with six digits.
+const ROUND_OFF: f64 = 1e-6;
+
+/// Ratio of von Neumann below which residuals are smooth: noise has 1, and noise with as large
+/// smooth residuals about a half.
+const SMOOTH: f64 = 0.75;
+
+/// Standard deviations of the ratio by which it is below that of noise.
+const CERTAIN: f64 = 4.0;
+
+/// Offset over the root mean square of the readings up to which the strength is held. A larger one
+/// makes up for readings in another unit.
+const MOST_OFFSET: f64 = 0.5;
+
 /// Units in which positions are given by mistake, and their lengths in the unit of the tiles.
 const UNITS: [(&str, f64); 4] = [("inches", 25.4), ("centimetres", 10.0), ("metres", 1e3), ("micrometres", 1e-3)];
 
@@ -146,11 +160,19 @@ pub fn fit_scan<'a>(
         Some(fit) if is_expected(&fit) => Ok(fit),
         oriented => better(from(&Start::PERFECT), oriented),
     };
-    if !best.as_ref().is_ok_and(is_expected) {
+    if !best.as_ref().is_ok_and(is_expected) && free.start {
+        // With the strength held, errors of the tiles do not look like another unit.
+        let held = FreeParameters { strength: false, ..free };
+        let most_t = best.as_ref().map_or(f64::INFINITY, |fit| BETTER * fit.noise_t);
         let is_explained = |length: f64| {
             let scaled: Vec<DVec3> = points.iter().map(|point| length * *point).collect();
-            fit_from(searched, &scaled, &readings_t, &unusable, free, &Start::PERFECT)
-                .is_ok_and(|fit| is_expected(&fit))
+            let fits = [Some(Start::PERFECT), centred(&scaled, centre)].into_iter().flatten();
+            let mut fits =
+                fits.filter_map(|start| fit_from(searched, &scaled, &readings_t, &unusable, held, &start).ok());
+            fits.any(|fit| {
+                let explained_t = MADE_RESIDUAL * root_mean_square(&fit, &readings_t);
+                fit.parameters.rotation_rad.length() < CLOSE && fit.noise_t <= most_t.min(explained_t)
+            })
         };
         if let Some((unit, length)) = UNITS.into_iter().find(|(_, length)| is_explained(*length)) {
             return Err(ScanError::Unit { unit, length });
@@ -166,7 +188,21 @@ pub fn fit_scan<'a>(
     if free == FreeParameters::ALL && fit.noise_t > MOST_RESIDUAL * reading_t {
         return Err(ScanError::Misfit { residual_t: fit.noise_t, reading_t });
     }
+    let used = readings_t.iter().zip(&fit.exclusions).filter(|(_, exclusion)| exclusion.is_none());
+    let largest_t = used.map(|(reading_t, _)| reading_t.abs().max_element()).fold(0.0, f64::max);
+    let offset_t = fit.parameters.offset_t.abs().max_element();
+    if offset_t > largest_t {
+        return Err(ScanError::Offset { offset_t, largest_t });
+    }
     Ok(fit)
+}
+
+/// The start that brings the middle of the scan to `centre`.
+fn centred(points: &[DVec3], centre: Option<DVec3>) -> Option<Start> {
+    let lower = points.iter().copied().reduce(DVec3::min)?;
+    let upper = points.iter().copied().reduce(DVec3::max)?;
+    let parameters = ScanParameters { start: centre? - 0.5 * (lower + upper), ..ScanParameters::PERFECT };
+    Some(Start { parameters, ..Start::PERFECT })
 }
 
 /// The start with z of the stage counted downwards, if the middle of the scan then is nearer to
@@ -182,8 +218,8 @@ fn downwards(points: &[DVec3], centre: Option<DVec3>) -> Option<Start> {
 /// strength, and returns what it fitted.
 ///
 /// The field falls off exponentially from a film, so a change of the strength is nearly a change of
-/// the height. Errors of the tiles decide between the two unless the residual is as small as the
-/// noise. The strength is held if the fit of all parameters does not converge, or if it has the
+/// the height. Errors of the tiles decide between the two unless the residual is noise: as small as
+/// the noise of the sensor or 1 % of the readings, and not smooth along the scan. The strength is held if the fit of all parameters does not converge, or if it has the
 /// residual of a film as made and hardly a smaller one than with the strength held.
 ///
 /// # Errors
@@ -202,12 +238,14 @@ pub fn fit_determined<'a>(
     let noise_t = (sensor.deviation_t() / sensor.gain.abs()).max_element();
     let scaled_t: Vec<DVec3> =
         readings_t.iter().map(|reading_t| (*reading_t - sensor.offset_t) / sensor.gain).collect();
+    let is_plausible = |held: &ScanFit| held.offset_t().abs().max_element() <= MOST_OFFSET * rms_t(&scaled_t);
     let fitted = |free| fit_scan(field.clone(), points, readings_t, free, centre);
     let share = |fit: &ScanFit| fit.noise_t / root_mean_square(fit, &scaled_t);
-    let is_noise = |fit: &ScanFit| match noise_t > 0.0 {
+    let is_small = |fit: &ScanFit| match noise_t > 0.0 {
         true => fit.noise_t <= KNOWN_NOISE * noise_t,
         false => share(fit) <= SMALL_RESIDUAL,
     };
+    let is_noise = |fit: &ScanFit| is_small(fit) && (share(fit) <= ROUND_OFF || !is_smooth(fit));
     let all = fitted(FreeParameters::ALL);
     let is_vague = match &all {
         Err(ScanError::Undetermined(parameters)) => parameters.contains(&ScanParameter::Strength),
@@ -218,11 +256,25 @@ pub fn fit_determined<'a>(
     }
     let most_t = all.as_ref().map_or(f64::INFINITY, |fit| HELD * fit.noise_t);
     match fitted(FreeParameters::HELD_STRENGTH) {
-        Ok(held) if held.noise_t <= most_t && share(&held) <= MOST_RESIDUAL => {
+        Ok(held) if held.noise_t <= most_t && share(&held) <= MOST_RESIDUAL && is_plausible(&held) => {
             Ok((held, FreeParameters::HELD_STRENGTH))
         }
         _ => Ok((all?, FreeParameters::ALL)),
     }
+}
+
+/// Whether residuals change less from one reading to the next than noise does. Errors of tiles leave
+/// residuals that are smooth along the path of a scan (the ratio of J. von Neumann, Annals of
+/// Mathematical Statistics 12, 1941, 367: half the mean square difference over the mean square).
+fn is_smooth(fit: &ScanFit) -> bool {
+    let used = fit.residuals_t.iter().zip(&fit.exclusions).filter(|(_, exclusion)| exclusion.is_none());
+    let residuals_t: Vec<DVec3> = used.map(|(residual_t, _)| *residual_t).collect();
+    let pairs = residuals_t.windows(2).map(|pair| (pair[1] - pair[0]).length_squared());
+    let differences = pairs.sum::<f64>() / residuals_t.len().saturating_sub(1).max(1) as f64;
+    let squares = residuals_t.iter().map(|residual_t| residual_t.length_squared()).sum::<f64>();
+    let ratio = 0.5 * differences / (squares / residuals_t.len().max(1) as f64);
+    let deviation = 1.0 / (3.0 * residuals_t.len() as f64).sqrt();
+    ratio < SMOOTH.min(1.0 - CERTAIN * deviation)
 }
 
 /// The fit of less changes, or the other if it fits twice as well.
@@ -243,6 +295,12 @@ fn is_expected(fit: &ScanFit, readings_t: &[DVec3], noise_t: f64) -> bool {
     let is_close = (strength - 1.0).abs() < CLOSE && rotation_rad.length() < CLOSE;
     let is_small = fit.noise_t <= noise_t || residual <= SMALL_RESIDUAL;
     (strength > 0.0 && is_small) || (is_close && residual <= MADE_RESIDUAL)
+}
+
+/// Root mean square of a component of the finite readings.
+fn rms_t(readings_t: &[DVec3]) -> f64 {
+    let finite = || readings_t.iter().filter(|reading_t| reading_t.is_finite());
+    (finite().map(|reading_t| reading_t.length_squared()).sum::<f64>() / (3 * finite().count().max(1)) as f64).sqrt()
 }
 
 /// Root mean square of a component of the readings of a fit, without their offset. An offset that a

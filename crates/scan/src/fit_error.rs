@@ -55,6 +55,17 @@ pub enum ScanError {
         /// Root mean square of a component of the readings without offset, in tesla.
         reading_t: f64,
     },
+    /// The offset of the best fit is larger than the readings.
+    #[error(
+        "the best fit has an offset of {:.1} mT, and no reading is above {:.1} mT: the scan belongs to another film, or its \
+         positions are wrong or in another unit", 1e3 * offset_t, 1e3 * largest_t
+    )]
+    Offset {
+        /// Largest component of the offset, in tesla.
+        offset_t: f64,
+        /// Largest component of a reading, in tesla.
+        largest_t: f64,
+    },
     /// The readings fit the film at positions in another unit.
     #[error(
         "the readings fit the film at positions {length} times as large: the positions are in {unit}, must be in mm"

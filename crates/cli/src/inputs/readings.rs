@@ -2,8 +2,7 @@
 
 use std::path::Path;
 
-use magsplice::prelude::{DVec3, Quantity};
-use magsplice::scan::SignedAxes;
+use magsplice::prelude::DVec3;
 
 use crate::args::given_units::GivenUnits;
 use crate::csv_input::finder::{Column, Finder};
@@ -11,9 +10,6 @@ use crate::csv_input::quantities::{FIELD_STRENGTH, FORCE, Group, POSITION, READI
 use crate::csv_input::rows::{Cells, Form, Rows};
 use crate::failure::Failure;
 use crate::session::Session;
-use crate::text::number::{counted, number};
-use crate::text::units::in_mt;
-use crate::words::{flux_density_mt, larger_range};
 
 /// Largest number of readings held in memory: with their positions they take 3 GB.
 const MAX_READINGS: usize = 10_000_000;
@@ -91,54 +87,11 @@ fn read(session: &Session, path: &Path, units: Option<&GivenUnits>, beside: Besi
     let has_positions = beside == Beside::Position;
     let (beside, readings_t): (Vec<DVec3>, Vec<DVec3>) = found.into_iter().unzip();
     let positions = if has_positions { &beside[..] } else { &[] };
-    if let Some(remark) = at_limit(session, positions, &readings_t) {
+    let film = session.film().ok();
+    if let Some(remark) = film.and_then(|film| film.remark_on_range(positions, &readings_t)) {
         session.tell(&format!("{}: {remark}", path.display()));
     }
     Ok(Readings { beside, readings_t, lines })
-}
-
-/// Words for readings at the limit of the sensor's range or beyond it, with the setting of the part
-/// that has the range for them, and for the field of the layout at `positions`.
-fn at_limit(session: &Session, positions: &[DVec3], readings_t: &[DVec3]) -> Option<String> {
-    let sensor = session.layout.sensor.as_ref()?;
-    let range_t = sensor.element.range_t;
-    let finite = || readings_t.iter().filter(|reading| reading.is_finite());
-    let count = finite().filter(|reading| sensor.element.is_saturated(**reading)).count();
-    let largest_t = finite().fold(DVec3::ZERO, |largest, reading| largest.max(reading.abs()));
-    if count == 0 {
-        return None;
-    }
-    // The conversion of readings from counts rounds.
-    let is_beyond = largest_t.cmpgt(range_t + sensor.element.count_t).any();
-    let (largest, range) = (flux_density_mt(largest_t), flux_density_mt(range_t));
-    let strongest_t = session.layout.tiles.iter().map(|of| of.tile.polarization_t().length()).fold(0.0, f64::max);
-    let impossible = finite().filter(|reading| reading.abs().max_element() > strongest_t).count();
-    if impossible > 0 && is_beyond {
-        let most = number(in_mt(strongest_t));
-        return Some(if 2 * impossible > finite().count() {
-            format!("readings reach {largest}, the polarization of the tiles at most {most} mT: check their unit")
-        } else {
-            let readings = counted(impossible, "reading is", "readings are");
-            format!("{readings} above {most} mT, the largest polarization of a tile: wild, or of another unit")
-        });
-    }
-    let found = if is_beyond {
-        let is_within = |axes: &SignedAxes| axes.apply(largest_t).abs().cmplt(range_t).all();
-        let exchanged = SignedAxes::all().into_iter().find(is_within);
-        let or_exchanged =
-            exchanged.map_or(String::new(), |axes| format!(", or its axes are exchanged: within it where {axes}"));
-        let another = "the sensor had another setting";
-        format!("readings reach {largest}, beyond the range of [sensor], {range}: {another}{or_exchanged}")
-    } else {
-        let readings = counted(count, "reading is", "readings are");
-        format!("{readings} at the limit of the range of [sensor], {range}")
-    };
-    let correction = if is_beyond { "; correct range_mt in [sensor]".to_owned() } else { String::new() };
-    // A reading at the limit does not tell how large the field is.
-    let film = session.film().ok();
-    let field_t =
-        film.and_then(|film| film.scene().field_at(Quantity::FluxDensity, positions).ok()).unwrap_or_default();
-    Some(found + &larger_range(sensor, readings_t.iter().chain(&field_t)).unwrap_or(correction))
 }
 
 /// The columns of the forces, one at least.

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::ValueEnum;
 use magsplice::magnet::{Bend, Deformation, HeightMap, HeightMapError};
 use magsplice::prelude::DVec3;
-use magsplice::results::{EXPERIMENT_STEP_MM, FilmExperiments};
+use magsplice::results::{EXPERIMENT_STEP_MM, FilmExperiments, larger_range};
 use magsplice::sensor::ExperimentStep;
 #[cfg(feature = "report")]
 use magsplice_report::{SvgText, experiment_figure};
@@ -18,7 +18,6 @@ use crate::output::{choice, table};
 use crate::remarks;
 use crate::session::{OF_SENSORS, Session};
 use crate::text::number::counted;
-use crate::words::larger_range;
 
 /// Move the film along x, y and z, and compute the readings of its sensor.
 ///

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use magsplice::FilmError;
 use magsplice::prelude::DVec3;
-use magsplice::results::{FilmResolution, ResolutionSummary, twelve_digits};
+use magsplice::results::{FilmResolution, ResolutionSummary, range_of_setting, twelve_digits};
 use magsplice::sensor::Noise;
 
 use crate::args::formats::TableFormat;
@@ -17,7 +17,6 @@ use crate::session::{OF_SENSORS, Session};
 use crate::text::number::{number, point};
 use crate::text::units::in_ut;
 use crate::text::{header, rows};
-use crate::words::range_of_setting;
 
 /// Compute the displacement resolution of a sensor with noise.
 ///

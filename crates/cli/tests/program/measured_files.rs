@@ -241,7 +241,7 @@ fn readings_beyond_the_range_name_the_setting_that_holds_them() {
                    range (6.553600, 6.553600, 10.584064) mT\n";
     assert!(said.stderr.contains(message), "{}", said.stderr);
     let said = read("bx_mt,by_mt,bz_mt\n0,0,2\n0,6,3\n", sensor, &[]);
-    assert!(said.stderr.contains("or its axes are exchanged: within it where y and z are exchanged; gain_sel"));
+    assert!(said.stderr.contains("the axes of the sensor are exchanged, or the sensor had another setting; gain_sel"));
     let said = read(beyond, &format!("{sensor}gain_sel = 6\nres = 0\n"), &[]);
     assert!(!said.stderr.contains("range"), "{}", said.stderr);
     let said = read("bx_mt,by_mt,bz_mt\n0,0,2\n0,4.9152,2\n", sensor, &[]);

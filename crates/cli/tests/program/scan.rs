@@ -238,9 +238,9 @@ fn outliers_at_one_extreme_are_named() {
     let clipped = |row: &Vec<f64>| row.iter().enumerate().map(|(n, v)| if n < 3 { *v } else { v.min(7e-3) }).collect();
     write(&sandbox, "x_mm,y_mm,z_mm,bx_t,by_t,bz_t", &field(&sandbox).iter().map(clipped).collect::<Vec<_>>());
     let said = sandbox.run(&["scan", "scan.csv", "--layout", &film]);
-    let named = "  7.000000 mT: 5 outliers share the largest reading of bz: if it is the limit of the sensor, state it as \
-                 range_mt in [sensor]\n";
-    assert!(said.stdout.contains(named), "{}{}", said.stdout, said.stderr);
+    let named = "5 outliers share the largest reading of bz: if it is the limit of the sensor, state it as range_mt in \
+                 [sensor] (it is 7.000000 mT)";
+    assert!(said.stderr.contains(named), "{}{}", said.stdout, said.stderr);
 }
 
 /// One plane with z counted downwards is no plane of a sensor with reversed axes. Positions in

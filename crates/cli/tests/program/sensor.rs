@@ -186,14 +186,10 @@ fn readings_with_other_axes_or_units_are_named() {
         sandbox.run(&["read", &film, "b.csv"])
     };
     let reversed = read(|b| [b[0], b[1], -b[2]]);
-    let named = "readings have positions in or near the volume if the axes of the sensor are others: z is reversed";
+    let named = "readings have positions in the volume if the axes of the sensor are others: z is reversed";
     assert!(reversed.stderr.contains(named), "{}", reversed.stderr);
     let other_unit = read(|b| [1e3 * b[0], 1e3 * b[1], 1e3 * b[2]]);
-    assert!(
-        other_unit.stderr.contains("readings times 0.001 have positions in or near the volume"),
-        "{}",
-        other_unit.stderr
-    );
+    assert!(other_unit.stderr.contains("readings times 0.001 have positions in the volume"), "{}", other_unit.stderr);
     let (names, found) = rows(&other_unit.stdout);
     let column = names.split(',').position(|name| name == "closed_form_dz_mm").expect("a column");
     assert!(found.iter().all(|row| row[column].is_nan()), "{}", other_unit.stdout);

@@ -314,7 +314,8 @@ impl FilmDiagnosis {
             )
         });
         let placement = self.placement.as_ref().map(ToString::to_string);
-        made_as.into_iter().chain(residual).chain(placement).collect()
+        let plateau = self.excluded.remark();
+        plateau.into_iter().chain(made_as).chain(residual).chain(placement).collect()
     }
 
     /// `chi_squared` over its expectation.

@@ -4,6 +4,8 @@
 
 /// Which measured tile goes to which place.
 mod assignment;
+/// Readings at the limit of the sensor's range.
+mod at_limit;
 /// How fast the field is computed.
 mod bench;
 /// The causes of the displacement error of films as made.
@@ -66,6 +68,7 @@ mod source;
 mod table;
 
 pub use assignment::{FilmAssignment, Shim};
+pub use at_limit::{larger_range, range_of_setting};
 pub use bench::{BenchCase, FilmBench};
 pub use budget::{BudgetPart, FilmBudget, Improvement};
 pub use calibration::FilmCalibration;

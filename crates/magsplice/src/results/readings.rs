@@ -60,28 +60,28 @@ pub struct FilmReadings {
     /// The elastic layer, if the layout has one.
     #[serde(skip)]
     pub elastomer: Option<Elastomer>,
-    /// Other axes or another unit with which readings without a position have one.
+    /// Other axes or another unit with which readings without a position in the volume have one.
     #[serde(skip)]
     pub hint: Option<String>,
 }
 
-/// Share of the readings without a position from which on another reading of the columns is tried,
-/// and the share of them that then must have one.
+/// Share of the readings without a position in the volume from which on another reading of the
+/// columns is tried, and the share of them that then must have one.
 const MOST_WITHOUT_POSITION: f64 = 0.5;
 const EXPLAINED: f64 = 0.9;
 
-/// Least and largest number of readings without a position that are tried.
+/// Least and largest number of readings without a position in the volume that are tried.
 const TRIED: [usize; 2] = [3, 20];
 
 /// Factors between units of flux density.
-const UNITS: [f64; 4] = [1e-3, 1e3, 0.1, 10.0];
+const UNITS: [f64; 8] = [1e-3, 1e3, 0.1, 10.0, 1e-4, 1e4, 1e-6, 1e6];
 
-/// Words for the axes or the unit with which readings without a position have one.
+/// Words for the axes or the unit with which readings without a position in the volume have one.
 fn hint(locator: &Locator, readings_t: &[DVec3], found: &[Result<Located, LocateError>]) -> Option<String> {
     let without: Vec<DVec3> = readings_t
         .iter()
         .zip(found)
-        .filter(|(_, found)| matches!(found, Err(LocateError::NoPosition)))
+        .filter(|(_, found)| matches!(found, Err(LocateError::NoPosition | LocateError::Outside(_))))
         .map(|(reading_t, _)| *reading_t)
         .collect();
     if without.len() < TRIED[0] || (without.len() as f64) < MOST_WITHOUT_POSITION * readings_t.len() as f64 {
@@ -91,19 +91,17 @@ fn hint(locator: &Locator, readings_t: &[DVec3], found: &[Result<Located, Locate
     let tried: Vec<DVec3> = without.into_iter().step_by(step).collect();
     let are_explained = |change: &dyn Fn(DVec3) -> DVec3| {
         let changed: Vec<DVec3> = tried.iter().map(|reading_t| change(*reading_t)).collect();
-        let located = locator.locate(&changed).iter().filter(|found| Located::of(found).is_some()).count();
+        let located = locator.locate(&changed).iter().filter(|found| found.is_ok()).count();
         located as f64 >= EXPLAINED * tried.len() as f64
     };
     let unit = UNITS.into_iter().find(|factor| are_explained(&|reading_t| *factor * reading_t));
     if let Some(factor) = unit {
-        return Some(format!(
-            "readings times {factor} have positions in or near the volume: their unit is another one"
-        ));
+        return Some(format!("readings times {factor} have positions in the volume: their unit is another one"));
     }
     let axes = SignedAxes::all().into_iter().skip(1);
     let found = axes.into_iter().find(|axes| are_explained(&|reading_t| axes.inverse().apply(reading_t)))?;
     Some(format!(
-        "readings have positions in or near the volume if the axes of the sensor are others: {found}: {}",
+        "readings have positions in the volume if the axes of the sensor are others: {found}: {}",
         found.remedy()
     ))
 }

@@ -77,9 +77,10 @@ pub struct FilmScan {
     /// What was fitted.
     #[serde(skip)]
     pub fit: FreeParameters,
-    /// Whether the strength is held because the scan does not tell it from the height.
+    /// Where the strength is held because the scan does not tell it from the height: the height
+    /// that looks like a tenth of the strength.
     #[serde(skip)]
-    pub holds_strength: bool,
+    pub height_of_strength_mm: Option<f64>,
     /// Whether the sensor was above the film and the working volume is below it, or the reverse.
     #[serde(skip)]
     pub is_across: bool,
@@ -124,6 +125,11 @@ impl ExcludedReadings {
     pub(crate) fn of_scan(readings_t: &[DVec3], exclusions: &[Option<Exclusion>], numbers: &[u64]) -> ExcludedReadings {
         let plateau = Plateau::among(readings_t, exclusions);
         ExcludedReadings { plateau, ..ExcludedReadings::new(exclusions, numbers) }
+    }
+
+    /// Outliers that share an extreme, in words.
+    pub(crate) fn remark(&self) -> Option<String> {
+        self.plateau.map(|plateau| format!("{plateau} (it is {} mT)", number(1e3 * plateau.reading_t)))
     }
 
     /// Number of readings that the fit does not use.
@@ -209,6 +215,15 @@ impl Film {
             .ok()
             .zip(self.branch())
             .map(|(ideal, branch)| ScanUniformity::new(points_mm, &kept, fields_t, (branch, ideal.wavelength())));
+        let height_of_strength_mm = match is_chosen && !free.strength {
+            true => {
+                let slopes = sensed.without_gain_and_offset().gradients(&places_mm).map_err(FilmError::Points)?;
+                let rms = |squares: f64| (squares / places_mm.len().max(1) as f64).sqrt();
+                let field_t = rms(simulated_t.iter().map(|b| b.length_squared()).sum());
+                Some(0.1 * field_t / rms(slopes.iter().map(|slope| slope.z_axis.length_squared()).sum()))
+            }
+            false => None,
+        };
         let mean_z = |heights: Vec<f64>| heights.iter().sum::<f64>() / heights.len().max(1) as f64;
         let film_mm = mean_z(self.layout().tiles.iter().map(|of| of.tile.position().z).collect());
         let scan_mm = mean_z(places_mm.iter().map(|place| place.z).collect());
@@ -235,7 +250,7 @@ impl Film {
             corrected_t,
             simulated_t,
             reading_t,
-            holds_strength: is_chosen && !free.strength,
+            height_of_strength_mm,
             is_across,
             sensor_noise_t: self.layout().sensor.as_ref().map_or(0.0, |of| of.element.deviation_t().max_element()),
         })
@@ -305,11 +320,12 @@ impl FilmScan {
                 if self.fit.strength { ": a fit of offset, rotation and start alone holds the strength" } else { "" }
             )
         });
-        let held = self.holds_strength.then(|| {
-            "the strength is not fitted, and the deviations do not contain errors of the tiles, which look like another \
-             strength, height and offset; a diagnosis with the expected errors of the tiles (diagnose with --preset and \
-             --fit) fits all and states their deviations"
-                .to_owned()
+        let held = self.height_of_strength_mm.map(|height_mm| {
+            format!(
+                "the strength is not fitted, and the deviations do not contain errors of the tiles, which look like another \
+                 strength, height and offset: each 10 % of strength is about {height_mm:.2} mm of height; a diagnosis with \
+                 the expected errors of the tiles (diagnose with --preset and --fit) fits all and states their deviations"
+            )
         });
         let share = self.residual_t / self.reading_t;
         let unexplained = (self.sensor_noise_t == 0.0 && share > MOST_SHARE).then(|| {
@@ -324,7 +340,16 @@ impl FilmScan {
              counted downwards and the z axis of the sensor is reversed (gain = [1, 1, -1] in [sensor])"
                 .to_owned()
         });
-        strength.into_iter().chain(across).chain(offset).chain(residual).chain(unexplained).chain(held).collect()
+        let plateau = self.excluded.remark();
+        plateau
+            .into_iter()
+            .chain(strength)
+            .chain(across)
+            .chain(offset)
+            .chain(residual)
+            .chain(unexplained)
+            .chain(held)
+            .collect()
     }
 
     /// The readings with the field of the layout at the same places.

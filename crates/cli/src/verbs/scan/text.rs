@@ -8,7 +8,7 @@ use magsplice::results::{ExcludedReadings, FilmScan, FittedScan};
 use magsplice::scan::FreeParameters;
 
 use crate::text::number::{counted, number, point};
-use crate::text::units::{in_mt, in_ut};
+use crate::text::units::in_ut;
 use crate::text::{header, rows};
 
 /// Positions that are listed.
@@ -22,7 +22,7 @@ pub(super) fn scan(film: &Film, scan: &Path, found: &FilmScan) -> String {
     text.push('\n');
     rows::heading(&mut text, "fitted, with standard deviations", ["x", "y", "z"]);
     fitted(&mut text, found.fit, &found.fitted, Some(&found.deviation));
-    if found.holds_strength {
+    if found.height_of_strength_mm.is_some() {
         rows::cell(&mut text, "  strength / strength of layout, held", &number(found.fitted.strength));
     }
     rows::cell(&mut text, "residual of a component, uT", &number(in_ut(found.residual_t)));
@@ -56,9 +56,6 @@ pub(crate) fn excluded(text: &mut String, excluded: &ExcludedReadings) {
         if !numbers.is_empty() || reason == "outliers" {
             rows::cell(text, &format!("{reason}, excluded"), &numbers.len().to_string());
         }
-    }
-    if let Some(plateau) = excluded.plateau {
-        let _ = writeln!(text, "  {} mT: {plateau}", number(in_mt(plateau.reading_t)));
     }
 }
 
