@@ -65,6 +65,9 @@ pub fn distances_of([one, other]: [f64; 2]) -> [f64; 2] {
     if one < 0.0 && other < 0.0 { [(-one).min(-other), (-one).max(-other)] } else { [one, other] }
 }
 
+/// Most cells of a pattern. A search of a film takes minutes from a thousand tiles.
+const MOST_CELLS: usize = 100_000;
+
 impl SpliceRequest {
     /// A film of this wavelength and extent along x and y, with the defaults of `magsplice splice`:
     /// lengths in fractions of the wavelength, rounded to four digits.
@@ -123,6 +126,12 @@ impl SpliceRequest {
     fn tiles(&self) -> Result<Vec<NamedTile>, LayoutFault> {
         let (height, j_t) = (self.thickness_mm, self.remanence_t);
         let [columns, rows] = [0, 1].map(|axis| self.intervals(axis));
+        let cells = columns.len() * rows.len();
+        if cells > MOST_CELLS {
+            let message =
+                format!("the pattern has {cells} cells, must have at most {MOST_CELLS}: choose a smaller film");
+            return Err(LayoutFault { line: None, place: "film".to_owned(), message });
+        }
         let mut tiles = Vec::new();
         for (i, ([left, right], along_x)) in columns.iter().enumerate() {
             for (k, ([front, back], along_y)) in rows.iter().enumerate() {
@@ -227,7 +236,7 @@ impl SpliceRequest {
             for &(name, mm) in &lengths[1..] {
                 if mm > 0.0 && mm * MAX_LENGTH_RATIO < wave {
                     faults.push(SpliceFault::TooShort(name, mm, wave));
-                } else if mm > MAX_LENGTH_RATIO * wave && !name.starts_with("film") && is_wave {
+                } else if mm > MAX_LENGTH_RATIO * wave && is_wave {
                     faults.push(SpliceFault::TooLong(name, mm, wave));
                 }
             }

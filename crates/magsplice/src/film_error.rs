@@ -83,13 +83,15 @@ pub enum FilmError {
         reading: usize,
     },
     /// Forces and displacements along an axis give no stiffness.
-    #[error("along {axis}: {error}")]
+    #[error("along {axis}: {error}{}", hint.as_ref().map_or(String::new(), |hint| format!("; {hint}")))]
     Stiffness {
         /// The axis.
         axis: Axis,
         /// Why.
         #[source]
         error: StiffnessError,
+        /// What is otherwise than stated of readings without a position.
+        hint: Option<String>,
     },
     /// The noise of readings, which a diagnosis needs, is not known.
     #[error("the layout has no noise: give the noise of the readings, or noise_ut or part in [sensor]")]

@@ -79,7 +79,7 @@ mod _magsplice {
     #[pymodule_export]
     use crate::forces::forces;
     #[pymodule_export]
-    use crate::readings::{calibrate, read, resolution};
+    use crate::readings::{calibrate, read, remark_on_range, resolution};
     #[pymodule_export]
     use crate::recoil::{recoil, recoil_estimate};
     #[pymodule_export]

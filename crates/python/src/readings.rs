@@ -43,6 +43,19 @@ pub(crate) fn read<'py>(
     Ok((with_arrays(py, &read, more)?, read.hint.into_iter().collect()))
 }
 
+/// Words for readings at the limit of the sensor's range or beyond it, at these points or, without
+/// points, anywhere.
+#[pyfunction]
+pub(crate) fn remark_on_range(
+    py: Python<'_>,
+    film: &Film,
+    points: PyReadonlyArray2<'_, f64>,
+    readings_t: PyReadonlyArray2<'_, f64>,
+) -> PyResult<Option<String>> {
+    let (points, readings_t) = (vectors(&points)?, vectors(&readings_t)?);
+    film.run(py, |film| Ok(film.remark_on_range(points, readings_t)))
+}
+
 /// The positions of readings. `at_rest` are the readings `zero` and `rest`.
 fn located(
     py: Python<'_>,

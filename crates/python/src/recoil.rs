@@ -28,10 +28,19 @@ pub(crate) fn recoil<'py>(py: Python<'py>, film: &Film) -> PyResult<Option<WithA
     with_arrays(py, &found.summary, more).map(Some)
 }
 
+/// Largest permeability of an estimate to first order: the second order is a quarter of it.
+const MOST_OF_FIRST_ORDER: f64 = 1.25;
+
 /// The effect of recoil to first order. None if there are no figures.
 #[pyfunction]
 pub(crate) fn recoil_estimate<'py>(py: Python<'py>, film: &Film, mu_r: f64) -> PyResult<Option<Bound<'py, PyDict>>> {
     let permeability = Permeability::isotropic(mu_r).map_err(bad_value)?;
+    if mu_r > MOST_OF_FIRST_ORDER {
+        return Err(bad_value(format_args!(
+            "mu_r = {mu_r}, must be at most {MOST_OF_FIRST_ORDER} to first order: film.replace(material={{\"recoil_permeability\": \
+             {mu_r}}}).recoil solves it"
+        )));
+    }
     let found = detached(py, || RecoilEstimate::new(&film.layout, permeability))?.map_err(of_film)?;
     found.map(|found| dictionary(py, &found)).transpose()
 }

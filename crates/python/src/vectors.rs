@@ -73,13 +73,18 @@ pub(crate) fn rows_of<'py>(py: Python<'py>, vectors: &[DVec3]) -> Bound<'py, PyA
     rows(py, vectors.iter().map(DVec3::to_array)).expect("each vector has three numbers")
 }
 
+/// An array of zeros, or `MemoryError`, where functions of the crate numpy panic.
+fn zeros<'py>(py: Python<'py>, shape: impl IntoPyObject<'py>) -> PyResult<Bound<'py, PyAny>> {
+    py.import("numpy")?.getattr("zeros")?.call1((shape,))
+}
+
 /// An array of shape (n, 3), written by `write` without a copy.
 pub(crate) fn written_rows<'py, R>(
     py: Python<'py>,
     count: usize,
     write: impl FnOnce(&mut [DVec3]) -> PyResult<R>,
 ) -> PyResult<(Bound<'py, PyArray2<f64>>, R)> {
-    let array = PyArray2::zeros(py, [count, 3], false);
+    let array: Bound<'py, PyArray2<f64>> = zeros(py, (count, 3))?.cast_into()?;
     let result = write(bytemuck::cast_slice_mut(array.readwrite().as_slice_mut()?))?;
     Ok((array, result))
 }
@@ -90,7 +95,7 @@ pub(crate) fn written_gradients<'py, R>(
     count: usize,
     write: impl FnOnce(&mut [DMat3]) -> PyResult<R>,
 ) -> PyResult<(Bound<'py, PyArray3<f64>>, R)> {
-    let array = PyArray3::zeros(py, [count, 3, 3], false);
+    let array: Bound<'py, PyArray3<f64>> = zeros(py, (count, 3, 3))?.cast_into()?;
     let result = write(bytemuck::cast_slice_mut(array.readwrite().as_slice_mut()?))?;
     Ok((array, result))
 }

@@ -219,8 +219,9 @@ fn downwards(points: &[DVec3], centre: Option<DVec3>) -> Option<Start> {
 ///
 /// The field falls off exponentially from a film, so a change of the strength is nearly a change of
 /// the height. Errors of the tiles decide between the two unless the residual is noise: as small as
-/// the noise of the sensor or 1 % of the readings, and not smooth along the scan. The strength is held if the fit of all parameters does not converge, or if it has the
-/// residual of a film as made and hardly a smaller one than with the strength held.
+/// the noise of the sensor or 1 % of the readings, and not smooth along the scan. The strength is
+/// held if the fit of all parameters does not converge, or if it has the residual of a film as made
+/// and hardly a smaller one than with the strength held.
 ///
 /// # Errors
 /// As [`fit_scan`].
@@ -263,8 +264,8 @@ pub fn fit_determined<'a>(
     }
 }
 
-/// Whether residuals change less from one reading to the next than noise does. Errors of tiles leave
-/// residuals that are smooth along the path of a scan (the ratio of J. von Neumann, Annals of
+/// Whether residuals change less from one reading to the next than noise does. Errors of tiles
+/// leave residuals that are smooth along the path of a scan (the ratio of J. von Neumann, Annals of
 /// Mathematical Statistics 12, 1941, 367: half the mean square difference over the mean square).
 fn is_smooth(fit: &ScanFit) -> bool {
     let used = fit.residuals_t.iter().zip(&fit.exclusions).filter(|(_, exclusion)| exclusion.is_none());

@@ -202,6 +202,40 @@ fn offsets_that_no_sensor_has_are_named() {
     );
 }
 
+/// Units of positions of a film made by hand, whose errors look like another strength, and
+/// positions that count from a corner of the scan.
+#[test]
+fn units_of_positions_are_named_for_films_made_by_hand() {
+    let sandbox = Sandbox::new();
+    let film = sandbox.published_with("[sensor]\npart = \"MLX90393\"");
+    let sample = ["tolerance", "sample", &film, "--preset", "by-hand", "--scan", "made.csv"];
+    assert_eq!(sandbox.run(&sample).status, 0);
+    let made = rows(&sandbox.read("made.csv"));
+    for (unit, length, origin) in [("centimetres", 10.0, 0.0), ("inches", 25.4, 7.0), ("metres", 1e3, 0.0)] {
+        let scaled = |row: &Vec<f64>| -> Vec<f64> {
+            let (at, b) = row.split_at(3);
+            at.iter().map(|x| (x + origin) / length).chain(b.iter().copied()).collect()
+        };
+        write(&sandbox, "x_mm,y_mm,z_mm,bx_t,by_t,bz_t", &made.iter().map(scaled).collect::<Vec<_>>());
+        let said = sandbox.run(&["scan", "scan.csv", "--layout", &film]);
+        said.refuses(&format!("times as large: the positions are in {unit}, must be in mm"));
+    }
+}
+
+/// Without a stated noise, smooth residuals are errors of the tiles.
+#[test]
+fn strength_is_held_by_smooth_residuals_of_an_unknown_noise() {
+    let sandbox = Sandbox::new();
+    let film = sandbox.published_with("");
+    for index in ["0", "1", "2"] {
+        let sample = ["tolerance", "sample", &film, "--preset", "workshop", "--index", index, "--scan", "scan.csv"];
+        assert_eq!(sandbox.run(&sample).status, 0);
+        let said = sandbox.run(&["scan", "scan.csv", "--layout", &film]);
+        assert!(said.stdout.contains("strength / strength of layout, held      1.000000"), "{}", said.stdout);
+        assert!(said.stderr.contains("each 10 % of strength is about 0.1"), "{}", said.stderr);
+    }
+}
+
 /// Readings along a line, with noise: what they do not determine is named.
 #[test]
 fn parameters_that_a_line_does_not_determine_are_named() {

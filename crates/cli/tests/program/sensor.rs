@@ -188,6 +188,14 @@ fn readings_with_other_axes_or_units_are_named() {
     let reversed = read(|b| [b[0], b[1], -b[2]]);
     let named = "readings have positions in the volume if the axes of the sensor are others: z is reversed";
     assert!(reversed.stderr.contains(named), "{}", reversed.stderr);
+    // The film is symmetric: reflected and exchanged x and y look alike.
+    let circle = read(|b| [b[1], b[2], b[0]]);
+    let named =
+        "so they have with 7 other exchanges, by the symmetry of the film: compare a displacement that you know";
+    assert!(circle.stderr.contains(named), "{}", circle.stderr);
+    let clipped = read(|b| [b[0], b[1], b[2].min(3e-3)]);
+    let named = "different readings share the largest bz, 3.000000 mT: if it is the limit of the sensor, state it";
+    assert!(clipped.stderr.contains(named), "{}", clipped.stderr);
     let other_unit = read(|b| [1e3 * b[0], 1e3 * b[1], 1e3 * b[2]]);
     assert!(other_unit.stderr.contains("readings times 0.001 have positions in the volume"), "{}", other_unit.stderr);
     let (names, found) = rows(&other_unit.stdout);

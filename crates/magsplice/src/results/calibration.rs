@@ -55,6 +55,9 @@ pub struct FilmCalibration {
     pub exchanged: Vec<Axis>,
     /// Readings that the fit of an axis does not use, though it has other forces.
     pub excluded: ExcludedReadings,
+    /// Other axes or another unit with which readings without a position have one.
+    #[serde(skip)]
+    pub hint: Option<String>,
 }
 
 impl FilmReadings {
@@ -97,7 +100,7 @@ impl FilmReadings {
         let by_field = fit(&self.displacement_mm());
         let by_closed_form = self.closed_form_mm.as_deref().map(&mut fit);
         if let Some((axis, error)) = first_error(&by_field) {
-            return Err(FilmError::Stiffness { axis, error });
+            return Err(FilmError::Stiffness { axis, error, hint: self.hint.clone() });
         }
         let per_axis = |[x, y, z]: [Result<Stiffness, StiffnessError>; 3]| PerAxis { x: x.ok(), y: y.ok(), z: z.ok() };
         let [x, y, z] = by_field.map(|of_axis| of_axis.err().map(|error| error.to_string()));
@@ -110,6 +113,7 @@ impl FilmReadings {
             without_stiffness: PerAxis { x, y, z },
             exchanged: exchanged(forces_n, &self.displacement_mm()),
             excluded: ExcludedReadings::new(&exclusions, numbers),
+            hint: self.hint.clone(),
         })
     }
 }
@@ -154,6 +158,7 @@ impl FilmCalibration {
 
     /// Exchanged axes, and axes without a stiffness or with a negative one, one sentence each.
     pub fn remarks(&self) -> Vec<String> {
+        let hint = self.hint.iter().cloned();
         let reasons = [&self.without_stiffness.x, &self.without_stiffness.y, &self.without_stiffness.z];
         let without = Axis::ALL.into_iter().zip(reasons);
         let without = without
@@ -182,6 +187,6 @@ impl FilmCalibration {
                 number(ratio)
             )
         });
-        unit.into_iter().chain(exchanged).chain(without).chain(negative).collect()
+        hint.chain(unit).chain(exchanged).chain(without).chain(negative).collect()
     }
 }

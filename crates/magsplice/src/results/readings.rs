@@ -76,14 +76,22 @@ const TRIED: [usize; 2] = [3, 20];
 /// Factors between units of flux density.
 const UNITS: [f64; 8] = [1e-3, 1e3, 0.1, 10.0, 1e-4, 1e4, 1e-6, 1e6];
 
+/// Distance from the volume, over its extent, up to which noise may have moved a position.
+const NEAR: f64 = 0.02;
+
 /// Words for the axes or the unit with which readings without a position in the volume have one.
 fn hint(locator: &Locator, readings_t: &[DVec3], found: &[Result<Located, LocateError>]) -> Option<String> {
-    let without: Vec<DVec3> = readings_t
-        .iter()
-        .zip(found)
-        .filter(|(_, found)| matches!(found, Err(LocateError::NoPosition | LocateError::Outside(_))))
-        .map(|(reading_t, _)| *reading_t)
-        .collect();
+    let volume = locator.grid();
+    let margin = NEAR * (volume.upper() - volume.lower());
+    let (lower, upper) = (volume.lower() - margin, volume.upper() + margin);
+    let is_lost = |found: &Result<Located, LocateError>| match found {
+        Err(LocateError::Outside(Located { position, .. })) => {
+            position.cmplt(lower).any() || position.cmpgt(upper).any()
+        }
+        found => matches!(found, Err(LocateError::NoPosition)),
+    };
+    let without: Vec<DVec3> =
+        readings_t.iter().zip(found).filter(|(_, found)| is_lost(found)).map(|(reading_t, _)| *reading_t).collect();
     if without.len() < TRIED[0] || (without.len() as f64) < MOST_WITHOUT_POSITION * readings_t.len() as f64 {
         return None;
     }
@@ -91,17 +99,25 @@ fn hint(locator: &Locator, readings_t: &[DVec3], found: &[Result<Located, Locate
     let tried: Vec<DVec3> = without.into_iter().step_by(step).collect();
     let are_explained = |change: &dyn Fn(DVec3) -> DVec3| {
         let changed: Vec<DVec3> = tried.iter().map(|reading_t| change(*reading_t)).collect();
-        let located = locator.locate(&changed).iter().filter(|found| found.is_ok()).count();
-        located as f64 >= EXPLAINED * tried.len() as f64
+        let has_position = |found: &&Result<Located, LocateError>| Located::of(found).is_some() && !is_lost(found);
+        locator.locate(&changed).iter().filter(has_position).count() as f64 >= EXPLAINED * tried.len() as f64
     };
     let unit = UNITS.into_iter().find(|factor| are_explained(&|reading_t| *factor * reading_t));
     if let Some(factor) = unit {
         return Some(format!("readings times {factor} have positions in the volume: their unit is another one"));
     }
     let axes = SignedAxes::all().into_iter().skip(1);
-    let found = axes.into_iter().find(|axes| are_explained(&|reading_t| axes.inverse().apply(reading_t)))?;
+    let mut explaining = axes.filter(|axes| are_explained(&|reading_t| axes.inverse().apply(reading_t)));
+    let found = explaining.next()?;
+    let others = explaining.count();
+    let ambiguous = match others {
+        0 => String::new(),
+        _ => format!(
+            "; so they have with {others} other exchanges, by the symmetry of the film: compare a displacement that you know"
+        ),
+    };
     Some(format!(
-        "readings have positions in the volume if the axes of the sensor are others: {found}: {}",
+        "readings have positions in the volume if the axes of the sensor are others: {found}: {}{ambiguous}",
         found.remedy()
     ))
 }

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from magsplice import _html
 from magsplice._arguments import one_of
 from magsplice._arrow import Column, Table, split
 from magsplice._layout import Floats
@@ -49,6 +50,9 @@ class Experiment(OfFilm, Table):
         arrays["saturated"] = arrays["saturated"].ravel()
         super().__init__(numbers, **arrays)
         self.__dict__["_quantities"] = quantities
+
+    def __str__(self) -> str:
+        return f"{super().__str__()}\n{_html.rows_text(self.columns())}"
 
     def columns(self) -> dict[str, Column]:
         """Columns step, film_dx_mm, ..., bx_t, ..., as in ``magsplice experiment``."""

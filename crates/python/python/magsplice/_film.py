@@ -789,7 +789,12 @@ class Film(Sensed):
         ValueError
             If `least_amplitude` is not above 0.
         MagspliceError
-            If no film keeps the rules of ``[design]``.
+            If the search finds no film.
+
+        Warns
+        -----
+        LayoutWarning
+            If the film found does not meet its demands, `Design.short_of`.
 
         Examples
         --------
@@ -800,6 +805,7 @@ class Film(Sensed):
         if least_amplitude is not None and not 0 < least_amplitude < np.inf:
             raise ValueError(f"least_amplitude = {least_amplitude}, must be above 0 and finite")
         numbers, text = _magsplice.design(self, least_amplitude, False, progress)
+        _findings.warn_of_search(numbers["short_of"])
         return Design(numbers, film=film_of_text(text, "the film found", self._source[-1]))
 
     def front(
@@ -1106,6 +1112,7 @@ def searched(
 ) -> Design:
     """The film found from a pattern."""
     numbers, text = _magsplice.design(pattern, None, True, progress)
+    _findings.warn_of_search(numbers["short_of"])
     return Design(numbers, film=film_of_text(text, "the film found", None))
 
 
@@ -1141,6 +1148,12 @@ class Front(Table):
             "parts": np.array([d.parts for d in self.designs], dtype=np.uint64),
             "film": [d.film.name for d in self.designs],
         }
+
+    def __str__(self) -> str:
+        return _html.rows_text(self.columns())
+
+    def __repr__(self) -> str:
+        return f"<magsplice.Front: {len(self)} films>\n{self}"
 
     def _repr_html_(self) -> str:
         return _html.rows_table(self.columns())

@@ -24,6 +24,13 @@ def warn(film: Film, known: Collection[str] = ()) -> None:
     warnings.warn("\n".join(shown), LayoutWarning, stacklevel=_frames_of_package())
 
 
+def warn_of_search(short_of: Collection[str]) -> None:
+    """One warning with the demands that a film found does not meet, at the user's call."""
+    if short_of:
+        text = "the film found does not meet its demands: " + "; ".join(short_of)
+        warnings.warn(text, LayoutWarning, stacklevel=_frames_of_package())
+
+
 def warn_of_measurement(film: Film, remarks: Collection[str]) -> None:
     """One warning with remarks about a measurement of a film, at the user's call."""
     if remarks:

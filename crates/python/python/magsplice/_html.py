@@ -25,7 +25,7 @@ def digits(value: Any) -> str:
 def number_table(rows: Iterable[tuple[str, Any]]) -> str:
     """Names and numbers as an HTML table."""
     cells = "".join(
-        f"<tr><th style='text-align:left'>{escape(name.replace('_', ' '))}</th>"
+        f"<tr><th style='text-align:left'>{escape(name)}</th>"
         f"<td style='text-align:left'>{escape(digits(value))}</td></tr>"
         for name, value in rows
     )

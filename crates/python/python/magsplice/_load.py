@@ -204,7 +204,12 @@ def splice(
     ValueError
         As `pattern`.
     MagspliceError
-        As `pattern`, or if no film keeps the demands.
+        As `pattern`, or if the search finds no film.
+
+    Warns
+    -----
+    LayoutWarning
+        If the film found does not meet its demands, `Design.short_of`.
     """
     return searched(pattern(wavelength_mm, film_mm, **request), progress)
 

@@ -149,6 +149,7 @@ def budget(film: Film, preset: str | None, seed: int, samples: int) -> _Result: 
 def forces(
     film: Film, turned_error: float, order: str | list[int] | None, seed: int
 ) -> _Result: ...
+def remark_on_range(film: Film, points: _Floats, readings_t: _Floats) -> str | None: ...
 def read(
     film: Film,
     readings_t: _Floats,

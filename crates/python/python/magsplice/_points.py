@@ -23,13 +23,13 @@ def tolerance_of(within: float | str | None, within_t: float | None = None) -> T
     return within if within is None or isinstance(within, str) else float(within)
 
 
-def flattened(points: ArrayLike | Grid) -> tuple[Floats, tuple[int, ...]]:
+def flattened(points: ArrayLike | Grid, name: str = "points") -> tuple[Floats, tuple[int, ...]]:
     """Points as contiguous rows, and the leading shape. Contiguous doubles are not copied."""
     points = points.points_mm if isinstance(points, Grid) else points
     array: NDArray[np.float64] = np.ascontiguousarray(points, dtype=np.float64)
     if array.ndim == 0 or array.shape[-1] != 3:
         raise ValueError(
-            f"points have the shape {array.shape}, must have (..., 3): x, y, z along the last axis"
+            f"{name} have the shape {array.shape}, must have (..., 3): x, y, z along the last axis"
         )
     return array.reshape(-1, 3), array.shape[:-1]
 

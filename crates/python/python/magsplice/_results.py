@@ -138,7 +138,7 @@ def lines(numbers: Mapping[str, Any], place: str = "") -> Iterator[tuple[str, st
         elif isinstance(value, list) and any(isinstance(item, dict) for item in value):
             yield from _entries(place + name, value)
             continue
-        elif isinstance(value, (list, tuple)) and len(value) == 3 and _are_numbers(value):
+        elif isinstance(value, (list, tuple)) and len(value) == 3 and _are_components(value):
             text = _shown_numbers(dict(zip("xyz", value, strict=True))) or ""
         else:
             text = "none" if value is None else _html.digits(value)
@@ -157,8 +157,9 @@ def _entries(name: str, items: list[dict[str, Any]]) -> Iterator[tuple[str, str]
         yield f"{name}[{number}]", "; ".join(parts)
 
 
-def _are_numbers(values: Iterable[Any]) -> bool:
-    return all(value is None or isinstance(value, (int, float)) for value in values)
+def _are_components(values: Iterable[Any]) -> bool:
+    """Whether values may be those along x, y, z: whole numbers are counts or indices."""
+    return all(value is None or isinstance(value, float) for value in values)
 
 
 def _shown_numbers(value: Mapping[str, Any]) -> str | None:
@@ -189,6 +190,7 @@ _MOST_ENTRIES = 12
 
 #: Units by the ends of names, longer ends first.
 _UNITS = {
+    "_n_per_mm": "N/mm",
     "_per_mm": "1/mm",
     "_n_mm": "N mm",
     "_mm2": "mm2",
@@ -201,5 +203,6 @@ _UNITS = {
 
 
 def unit_of(name: str) -> str:
-    """The unit at the end of a name; empty without one."""
-    return next((unit for end, unit in _UNITS.items() if name.endswith(end)), "")
+    """The unit at the end of a name, before a level of confidence; empty without one."""
+    stem = name.removesuffix("_95")
+    return next((unit for end, unit in _UNITS.items() if stem.endswith(end)), "")

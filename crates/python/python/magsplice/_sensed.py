@@ -84,7 +84,8 @@ class Sensed(Assembly):
         MeasurementWarning
             If readings have positions with other axes or another unit alone.
         """
-        flat, shape = flattened(readings_t)
+        flat, shape = flattened(readings_t, "readings")
+        _warn_of_range(self, flat[:0], flat)
         constant = constant_or_rest(constant_t, zero, rest)
         (numbers, more), remarks = _magsplice.read(self, flat, noise_of(noise_t), *constant)
         _findings.warn_of_measurement(self, remarks)
@@ -125,9 +126,13 @@ class Sensed(Assembly):
         MeasurementWarning
             If axes are exchanged, or an axis with forces has no stiffness, or a negative one.
         """
-        (forces, shape), (readings, _) = flattened(forces_n), flattened(readings_t)
+        (forces, shape), (readings, _) = (
+            flattened(forces_n, "forces"),
+            flattened(readings_t, "readings"),
+        )
         if len(forces) != len(readings):
             raise ValueError(f"{len(readings)} readings for {len(forces)} forces, must be as many")
+        _warn_of_range(self, readings[:0], readings)
         constant = constant_or_rest(constant_t, zero, rest)
         (numbers, more), remarks = _magsplice.calibrate(self, forces, readings, *constant)
         _findings.warn_of_measurement(self, remarks)
@@ -263,9 +268,10 @@ class Sensed(Assembly):
         >>> made = film.sample(7, preset="workshop")  # doctest: +SKIP
         >>> film.scan(made.points_mm, made.readings_t).fitted.strength  # doctest: +SKIP
         """
-        (points, shape), (readings, _) = flattened(points_mm), flattened(readings_t)
+        (points, shape), (readings, _) = flattened(points_mm), flattened(readings_t, "readings")
         check_scan(points, readings)
         words = None if fit is None else fitted_words(fit)
+        _warn_of_range(self, points, readings)
         (numbers, more), quantities, remarks = _magsplice.scan(self, points, readings, words)
         _findings.warn_of_measurement(self, remarks)
         return Scan(numbers, more, quantities, shape)
@@ -357,13 +363,20 @@ class Sensed(Assembly):
             If errors of every tile explain the scan as well as many errors of single tiles, or
             errors of tiles do not explain it.
         """
-        points, readings = flattened(points_mm)[0], flattened(readings_t)[0]
+        points, readings = flattened(points_mm)[0], flattened(readings_t, "readings")[0]
         check_scan(points, readings)
         words = fitted_words(fit)
         if preset is not None and as_ordered:
             raise ValueError("preset and as_ordered are both given: give one of them")
+        _warn_of_range(self, points, readings)
         (numbers, errors), remarks = _magsplice.diagnose(
             self, points, readings, three_of(noise_t), preset, as_ordered, words, false_alarm
         )
         _findings.warn_of_measurement(self, remarks)
         return Diagnosis(numbers, names=self.tiles.names, errors=errors)
+
+
+def _warn_of_range(film: Sensed, points: Floats, readings: Floats) -> None:
+    """Warns of readings at the limit of the sensor's range, before what follows from them."""
+    remark = _magsplice.remark_on_range(film, points, readings)
+    _findings.warn_of_measurement(film, [] if remark is None else [remark])

@@ -83,7 +83,7 @@ class Readings(OfFilm, Table):
 
 def at_rest(name: str, readings_t: ArrayLike) -> Floats:
     """Readings of a sensor at rest, at least one, of finite numbers."""
-    flat, _ = flattened(readings_t)
+    flat, _ = flattened(readings_t, name)
     if not len(flat):
         raise ValueError(f"{name} has no readings, must have at least one")
     if not np.isfinite(flat).all():
