@@ -14,13 +14,11 @@ use crate::closed_form::near_edge::{Interior, offsets_and_steps};
 use crate::closed_form::positive::Octant;
 use crate::closed_form::single_tile::ClosedForm;
 use crate::method::MethodRanges;
-use crate::series::coefficients::Series;
-use crate::series::multipole::{Distant, TruncatedSeries};
 use crate::shape::Shape;
 use crate::tolerances::POSITIVE_REACH;
 
 /// One cuboid prepared for its gradient in vectors.
-pub struct GradientEvaluator<'a> {
+pub struct GradientEvaluator {
     /// The points of [`GradientMethod::Near`].
     near: Interior,
     /// The points of [`GradientMethod::Positive`].
@@ -28,9 +26,6 @@ pub struct GradientEvaluator<'a> {
     positive: PositiveTerms,
     closed_form: ClosedForm,
     terms: GradientTerms,
-    distant: &'a Distant,
-    series: &'a Series,
-    highest_order: usize,
 }
 
 /// A cuboid's data for the gradient by [`Octant`].
@@ -58,7 +53,7 @@ impl PositiveTerms {
     }
 }
 
-/// A method for the gradient in vectors.
+/// A form of the gradient near a cuboid, in vectors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GradientMethod {
     /// The differentiated sums of positive terms, off the planes of the faces.
@@ -67,18 +62,11 @@ pub enum GradientMethod {
     Near,
     /// The closed form, in the range of the field's closed form.
     ClosedForm,
-    /// The multipole series up to an order in (half diagonal / distance)^2.
-    Series(usize),
 }
 
-impl<'a> GradientEvaluator<'a> {
-    /// Prepares a block with its ranges, moment and series.
-    pub fn new(
-        block: &Block,
-        ranges: &'a MethodRanges,
-        distant: &'a Distant,
-        series: &'a Series,
-    ) -> GradientEvaluator<'a> {
+impl GradientEvaluator {
+    /// Prepares a block with its ranges.
+    pub fn new(block: &Block, ranges: &MethodRanges) -> GradientEvaluator {
         let form = Shape::new(block, ranges.scale).form();
         let terms = GradientTerms::from_block(block, ranges.scale, form);
         GradientEvaluator {
@@ -87,9 +75,6 @@ impl<'a> GradientEvaluator<'a> {
             positive: PositiveTerms::new(block, ranges.scale),
             closed_form: ClosedForm::new(block, ranges.scale, form),
             terms,
-            distant,
-            series,
-            highest_order: ranges.highest_order(),
         }
     }
 
@@ -137,7 +122,6 @@ impl<'a> GradientEvaluator<'a> {
                             let place = self.closed_form.place(simd, point);
                             self.terms.add(simd, &place, None, &mut sum);
                         }
-                        GradientMethod::Series(order) => self.add_series(simd, order, point, &mut sum),
                     }
                     for (gradients, component) in gradients.iter_mut().zip(sum) {
                         component.store(&mut gradients[lanes.clone()]);
@@ -145,17 +129,5 @@ impl<'a> GradientEvaluator<'a> {
                 }
             },
         );
-    }
-
-    /// Adds the series. The gradient needs one order more than the field.
-    #[inline(always)]
-    fn add_series<S: Simd>(&self, simd: S, order: usize, point: [Lanes<S>; 3], sum: &mut [Lanes<S>; COMPONENTS]) {
-        let order = (order + 1).min(self.highest_order);
-        let series = TruncatedSeries { tile: self.distant, series: self.series, order };
-        let [x, y, z] = series.differentiated(simd, point);
-        let components = [x.slope[0], y.slope[1], z.slope[2], y.slope[2], x.slope[2], x.slope[1]];
-        for (sum, component) in sum.iter_mut().zip(components) {
-            *sum = *sum + component;
-        }
     }
 }

@@ -16,8 +16,8 @@ use crate::closed_form::terms::Form;
 use crate::gradient_evaluator::PositiveTerms;
 use crate::method::{Method, MethodRanges};
 use crate::scalar::kernel::{FieldKind, cuboid_field, cuboid_gradient};
-use crate::series::coefficients::Series;
-use crate::series::multipole::{Distant, TruncatedSeries};
+use crate::series::coefficients::{GradientSeries, Series};
+use crate::series::multipole::{Distant, TruncatedGradient, TruncatedSeries};
 use crate::shape::Shape;
 use crate::tolerances::{EXACT_BOUND, GRADIENT_BOUND};
 
@@ -106,7 +106,7 @@ fn field_error<S: Simd>(simd: S, case: &Case) -> Option<(Path, f64)> {
         Some(Method::Series { order }) => {
             let (tile, series) = (Distant::new(&block, ranges.scale), Series::new(block.size, order));
             let series = TruncatedSeries { tile: &tile, series: &series, order };
-            (Path::Series, series.differentiated(simd, point).map(|component| component.value))
+            (Path::Series, series.field(simd, point))
         }
         Some(_) if form == Form::Rod => {
             let mut sum = closed_form.field_sum(simd);
@@ -155,9 +155,8 @@ fn gradient_error<S: Simd>(simd: S, case: &Case) -> Option<(Path, f64)> {
         }
         Some(Method::Series { order }) => {
             let order = (order + 1).min(ranges.highest_order());
-            let (tile, series) = (Distant::new(&block, ranges.scale), Series::new(block.size, order));
-            let [x, y, z] = TruncatedSeries { tile: &tile, series: &series, order }.differentiated(simd, point);
-            sum = [x.slope[0], y.slope[1], z.slope[2], y.slope[2], x.slope[2], x.slope[1]];
+            let (tile, series) = (Distant::new(&block, ranges.scale), GradientSeries::new(block.size, order));
+            sum = TruncatedGradient { tile: &tile, series: &series, order }.gradient(simd, point);
             Path::Series
         }
         _ if Interior::new(&block).is_off_planes(&at) => {
