@@ -9,7 +9,7 @@ use magsplice_simd::prefetch::Prefetch;
 
 use crate::block::{Block, LocalPoint};
 use crate::closed_form::gradient::COMPONENTS;
-use crate::closed_form::near_edge::NearEdges;
+use crate::closed_form::near_edge::{NEAR_FORMS, NearEdges};
 use crate::evaluator::Evaluator;
 use crate::gradient_evaluator::{GradientEvaluator, GradientMethod};
 use crate::method::{CLOSED_FORM, FIRST_FAR, MOST_FAR, Method, MethodRanges, SMALL_ELEMENTS};
@@ -247,6 +247,42 @@ fn points_close_to_plates_and_strips_keep_the_error_bound() {
     }
     println!("largest error over the field: {worst:e}, {count} points");
     assert!(count > 10_000 && worst > 1e-15, "{count} points, {worst:e}");
+}
+
+/// A vector of points has the forms of its points: on both sides of the ends of each form, and with
+/// errors of coordinates up to the distances from the faces.
+#[test]
+fn vectors_of_points_have_the_form_of_each_point() {
+    let mut counts = [0; NEAR_FORMS + 1];
+    for size in [[1.0, 0.9, 0.8], [1.0, 0.3, 1e-3], [3.0, 0.1, 0.1], [1.0, 1.0, 1e-13]] {
+        let size = DVec3::from(size);
+        let block = Block::new(0, DVec3::new(0.3, 0.1, 0.2), size, DVec3::ONE, size.min_element());
+        let near = NearEdges::new(&block, FieldKind::Density);
+        let points = (0..2000_u32).map(|n| {
+            let turn = f64::from(n);
+            let place = DVec3::new((0.754 * turn).fract(), (0.569 * turn).fract(), (0.311 * turn).fract()) - 0.5;
+            let spread = 10_f64.powf(-14.0 * (0.618 * turn).fract());
+            let mut point = DVec3::new(0.3, 0.1, 0.2) + place * size;
+            let axis = n as usize % 3;
+            point[axis] = block.faces[axis][1].hi + if n.is_multiple_of(4) { -spread } else { spread };
+            let roundoff = if n.is_multiple_of(5) { 0.0 } else { spread * (0.9 + 0.2 * (0.43 * turn).fract()) };
+            LocalPoint { coordinates: point.to_array(), roundoff: [roundoff; 3] }
+        });
+        let points: Vec<LocalPoint> = points.collect();
+        let axes = [0, 1, 2].map(|axis| points.iter().map(|p| p.coordinates[axis]).collect::<Vec<f64>>());
+        let roundoff = [0, 1, 2].map(|axis| points.iter().map(|p| p.roundoff[axis]).collect::<Vec<f64>>());
+        for level in levels() {
+            let mut forms = vec![0.0; points.len()];
+            let (axes, roundoff) = (axes.each_ref().map(|a| &a[..]), roundoff.each_ref().map(|a| &a[..]));
+            dispatch!(level, simd => near.forms(simd, axes, roundoff, &mut forms));
+            for (point, form) in points.iter().zip(forms) {
+                let expected = near.form(point).unwrap_or(NEAR_FORMS);
+                assert_eq!(form, expected as f64, "{size}, {level:?}, {:?}", point.coordinates);
+                counts[expected] += 1;
+            }
+        }
+    }
+    assert!(counts.iter().all(|count| *count > 300), "{counts:?}");
 }
 
 /// The gradient in vectors keeps the error bound where it is used: inside and close to compact
