@@ -7,14 +7,14 @@ use fearless_simd::{Level, dispatch};
 use glam::{DMat3, DVec3};
 use magsplice_cuboid::block::{Block, LocalPoint};
 use magsplice_cuboid::closed_form::gradient::COMPONENTS;
-use magsplice_cuboid::gradient_evaluator::{GradientEvaluator, GradientMethod};
+use magsplice_cuboid::gradient_evaluator::GradientEvaluator;
 use magsplice_cuboid::method::{Method, MethodIndex};
 use magsplice_cuboid::scalar::kernel::cuboid_gradient;
 use magsplice_cuboid::series::multipole::TruncatedGradient;
 use magsplice_expansion::tolerances::{HIGHEST_DEGREE, POINTS_PER_DEGREE};
-use magsplice_simd::column::views;
+use magsplice_simd::column::{Column, views};
 
-use super::cluster_gradient::cluster_gradients;
+use super::cluster_gradient::KeptPlaces;
 use super::coordinates::Coordinates;
 use super::edges::EdgesAtPoint;
 use super::gradient_totals::{GradientTotals, Gradients};
@@ -24,6 +24,7 @@ use crate::prepare::frames::{Frame, Frames};
 use crate::tolerances::FURTHER_DEGREES;
 
 /// Buffers for a batch of points; none of them grows with the number of tiles.
+#[derive(Default)]
 pub struct GradientSum {
     points: Coordinates,
     /// The points in the current frame.
@@ -36,10 +37,16 @@ pub struct GradientSum {
     gathered: Coordinates,
     /// The points near a cluster.
     gathered_near: Coordinates,
-    /// The points at which the field's closed form has no gradient, by method.
-    near: [(GradientMethod, Vec<u32>); 2],
+    /// The points in a tile and close to it.
+    near: Vec<u32>,
+    /// Whether the closed form covers each point in a tile and close to it.
+    covered: Column,
+    gathered_in_scene: Coordinates,
+    /// Bounds of the errors of the gathered coordinates.
+    roundoff: Coordinates,
     /// The gradient of one tile or cluster, in its frame.
     gradients: Gradients,
+    places: KeptPlaces,
     finite: bool,
 }
 
@@ -64,26 +71,10 @@ impl FrameSum<'_> {
 }
 
 impl GradientSum {
-    fn new() -> GradientSum {
-        GradientSum {
-            points: Coordinates::default(),
-            local: Coordinates::default(),
-            totals: GradientTotals::default(),
-            edges: BTreeMap::new(),
-            sorted: SortedPoints::default(),
-            sorted_by_tile: SortedPoints::default(),
-            gathered: Coordinates::default(),
-            gathered_near: Coordinates::default(),
-            near: [(GradientMethod::Near, Vec::new()), (GradientMethod::Positive, Vec::new())],
-            gradients: Gradients::default(),
-            finite: false,
-        }
-    }
-
     /// Calls `work` with the buffers of the calling thread.
     pub fn with_buffers<R>(work: impl FnOnce(&mut GradientSum) -> R) -> R {
         thread_local! {
-            static BUFFERS: RefCell<GradientSum> = RefCell::new(GradientSum::new());
+            static BUFFERS: RefCell<GradientSum> = RefCell::default();
         }
         BUFFERS.with_borrow_mut(work)
     }
@@ -168,9 +159,11 @@ impl GradientSum {
     fn add_together(&mut self, of: FrameSum, cluster: &Cluster, method: MethodIndex, chosen: Option<&[u32]>) -> bool {
         match (cluster.ranges.method(method), &cluster.corners) {
             (method, None) => self.add_tile(of, cluster.blocks.start, method, chosen),
-            (Method::ClosedForm | Method::SmallElements, Some(corners)) if corners.has_gradient() => {
+            (Method::ClosedForm | Method::SmallElements, Some(corners)) => {
+                let mut places = std::mem::take(&mut self.places);
                 let (points, gradients) = self.points_and_gradients(of, chosen);
-                dispatch!(of.level, simd => cluster_gradients(simd, corners, points, gradients));
+                dispatch!(of.level, simd => places.gradients(simd, corners, points, gradients));
+                self.places = places;
                 self.add_gradients(of, chosen);
                 true
             }
@@ -185,7 +178,7 @@ impl GradientSum {
                 });
                 true
             }
-            _ => false,
+            (Method::Scalar, _) => false,
         }
     }
 
@@ -233,11 +226,8 @@ impl GradientSum {
         let tile = &tables.tiles[index];
         match method {
             Method::ClosedForm | Method::SmallElements => {
-                let evaluator = GradientEvaluator::new(block, &tile.ranges);
-                if evaluator.has_closed_form() {
-                    self.add_in_vectors(of, &evaluator, GradientMethod::ClosedForm, chosen);
-                }
-                evaluator.has_closed_form()
+                self.add_in_vectors(of, &GradientEvaluator::new(block, &tile.ranges), chosen);
+                true
             }
             Method::Series { order } => {
                 let mut made = None;
@@ -254,35 +244,36 @@ impl GradientSum {
         }
     }
 
-    /// Adds one tile at points inside and close to it, or beside a long rod.
+    /// Adds one tile at points inside it, close to it, and very far away.
     fn add_near(&mut self, of: FrameSum, index: usize, chosen: &[u32]) {
         let block = &of.frame.blocks[index];
         let evaluator = GradientEvaluator::new(block, &of.frame.clusters.tiles[index].ranges);
-        let none = [GradientMethod::Near, GradientMethod::Positive].map(|method| (method, Vec::new()));
-        let mut near = std::mem::replace(&mut self.near, none);
-        near.iter_mut().for_each(|(_, points)| points.clear());
-        for &index in chosen {
-            let method = evaluator.method_near(&of.local_point(index));
-            match near.iter_mut().find(|(of, _)| Some(*of) == method) {
-                Some((_, points)) => points.push(index),
-                None => self.add_by_scalar_kernel(of, block, index),
+        let mut near = std::mem::take(&mut self.near);
+        near.clear();
+        self.gathered_in_scene.gather(&self.points, chosen);
+        self.gathered.gather(of.local, chosen);
+        self.covered.set_len(self.gathered.padded());
+        dispatch!(of.level, simd => {
+            self.roundoff.set_roundoff(simd, of.frames, of.frame, &self.gathered_in_scene);
+            let (points, roundoff) = (views(&self.gathered.axes), views(&self.roundoff.axes));
+            evaluator.cover_near(simd, points, roundoff, &mut self.covered);
+        });
+        for (number, &index) in chosen.iter().enumerate() {
+            if self.covered[number] == 1.0 {
+                near.push(index);
+            } else {
+                self.add_by_scalar_kernel(of, block, index);
             }
         }
-        for (method, points) in near.iter().filter(|(_, points)| !points.is_empty()) {
-            self.add_in_vectors(of, &evaluator, *method, Some(points));
+        if !near.is_empty() {
+            self.add_in_vectors(of, &evaluator, Some(&near));
         }
         self.near = near;
     }
 
-    fn add_in_vectors(
-        &mut self,
-        of: FrameSum,
-        tile: &GradientEvaluator,
-        method: GradientMethod,
-        chosen: Option<&[u32]>,
-    ) {
+    fn add_in_vectors(&mut self, of: FrameSum, tile: &GradientEvaluator, chosen: Option<&[u32]>) {
         let (points, gradients) = self.points_and_gradients(of, chosen);
-        dispatch!(of.level, simd => tile.gradients(simd, method, points, gradients));
+        dispatch!(of.level, simd => tile.gradients(simd, points, gradients));
         self.add_gradients(of, chosen);
     }
 

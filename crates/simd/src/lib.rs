@@ -16,8 +16,6 @@
 pub mod column;
 /// Sums of two doubles without loss.
 pub mod compensated_sum;
-/// Numbers that carry their derivatives.
-pub mod differentiated;
 /// Logarithms and arctangents of ratios.
 pub mod functions;
 /// The vector instructions of the processor.
