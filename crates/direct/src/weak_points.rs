@@ -38,10 +38,13 @@ impl WeakPoints {
         magnitudes: &MagnitudeBounds,
     ) -> WeakPoints {
         let least = LeastField::new(tolerance);
-        // Outside the tile the field is weaker than J.
-        let far_t = FAR_MAGNITUDE * block.polarization_t.length();
-        let error_of_t = |magnitude_t: f64| EXACT_BOUND * block.error_weight() * magnitude_t;
-        let far_is_kept = least.at_t(error_of_t(FAR_MAGNITUDE)) <= 1.0 || least.at_t(error_of_t(far_t)) == 0.0;
+        let far_error_t = EXACT_BOUND * block.error_weight() * FAR_MAGNITUDE;
+        let far_is_kept = least.at_t(far_error_t) <= 1.0 || {
+            let half_diagonal = ranges.half_size.iter().map(|half| half * half).sum::<f64>().sqrt();
+            let series_from = ranges.far.first().map_or(f64::INFINITY, |(square, _)| square.sqrt());
+            let far_t = magnitudes.beyond_t((series_from - half_diagonal) / ranges.scale);
+            least.at_t(EXACT_BOUND * far_t) == 0.0
+        };
         let closed_form_t = magnitudes.beyond_t(ranges.closed_form_from.sqrt() / ranges.scale);
         // |T| is at most the integral of dV / 2 pi r^3.
         let small_t = SMALL_ANGLE / (2.0 * PI) * block.error_weight() * block.polarization_t.abs().element_sum();
