@@ -43,9 +43,9 @@ impl GradientEvaluator {
         }
     }
 
-    /// Whether the form covers points at which the field has no method in vectors: not on the planes
-    /// of the faces, and not far away. Points are given by axis in whole vectors, with the bounds
-    /// of the errors of their coordinates; the result is 1 or 0.
+    /// Whether the form covers points at which the field has no method in vectors: not on the
+    /// planes of the faces, and not far away. Points are given by axis in whole vectors, with the
+    /// bounds of the errors of their coordinates; the result is 1 or 0.
     pub fn cover_near<S: Simd>(&self, simd: S, points: [&[f64]; 3], roundoff: [&[f64]; 3], covered: &mut [f64]) {
         if self.is_resolved {
             self.near.cover(simd, points, roundoff, covered);

@@ -255,7 +255,7 @@ impl DirectSum {
     /// # Panics
     /// If the two slices differ in length.
     pub fn flux_density_gradient_into(&self, points: &[DVec3], gradient: &mut [DMat3]) -> Result<(), PointErrors> {
-        // A gradient has twice the components of a field, so that half the points fill the first cache.
+        // A gradient has twice the components of a field, so half the points fill the first cache.
         let batches = Batches { most: self.batches().most / 2, ..self.batches() };
         for_each_batch(points, gradient, batches, &|_| {}, |points, gradient, failed| {
             self.flux_density_gradient_of_batch(points, gradient, failed);

@@ -181,8 +181,8 @@ impl NearEdges {
         self.0.iter().position(|form| form.covers(point))
     }
 
-    /// [`NearEdges::form`] of points given by axis in whole vectors, with the bounds of the errors of
-    /// their coordinates; [`NEAR_FORMS`] where there is no form.
+    /// [`NearEdges::form`] of points given by axis in whole vectors, with the bounds of the errors
+    /// of their coordinates; [`NEAR_FORMS`] where there is no form.
     #[inline(never)]
     pub fn forms<S: Simd>(&self, simd: S, points: [&[f64]; 3], roundoff: [&[f64]; 3], forms: &mut [f64]) {
         simd.vectorize(

@@ -44,7 +44,8 @@ impl<N: Number> Octant<N> {
         place
     }
 
-    /// Mirrors points outside a cuboid with these offsets and distances from its planes and corners.
+    /// Mirrors points outside a cuboid with these offsets from its planes and distances from its
+    /// corners.
     #[inline(always)]
     pub fn from_corners(simd: N::Instructions, from: &CornerGeometry<N>, size: [f64; 3]) -> Octant<N> {
         let (zero, one) = (N::splat(simd, 0.0), N::splat(simd, 1.0));

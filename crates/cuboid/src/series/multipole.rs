@@ -185,7 +185,8 @@ impl<N: Number> PointOffset<N> {
             xz.scale_add(jx, yz.scale_add(jy, (xx + yy) * -jz)) * cube,
         ]
     }
-    /// The gradient of B in tesla per length from the polynomials (Eq. P75): xx, yy, zz, yz, xz, xy.
+    /// The gradient of B in tesla per length from the polynomials (Eq. P75): xx, yy, zz, yz, xz,
+    /// xy.
     #[inline(always)]
     fn gradient(&self, polynomials: [N; GRADIENT_POLYNOMIALS], tile: &Distant) -> [N; COMPONENTS] {
         let [jx, jy, jz] = tile.moment.map(|moment| moment * tile.scale);
