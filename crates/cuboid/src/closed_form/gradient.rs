@@ -195,8 +195,8 @@ impl<N: Number> AxisPair<N> {
         Divided { values, by_i, by_j, mixed: (by_j[0] * by_j[1]) * (by_i[0] + by_i[1]) * -1.0 }
     }
 
-    /// Half of Q = S^2 - l^2, which is x^2 + y^2 + z_0 z_1 + P (section 2.9): its
-    /// value at the near edge has no cancellation, and its differences are those of x^2 + y^2 + P.
+    /// Half of Q = S^2 - l^2, which is x^2 + y^2 + z_0 z_1 + P (section 2.9): its value at the near
+    /// edge has no cancellation, and its differences are those of x^2 + y^2 + P.
     #[inline(always)]
     fn excess(&self, simd: N::Instructions, place: &Octant<N>, k: usize) -> Divided<N> {
         let (i, j) = ((k + 1) % 3, (k + 2) % 3);
@@ -222,8 +222,8 @@ impl<N: Number> AxisPair<N> {
         let (i, j) = ((k + 1) % 3, (k + 2) % 3);
         // l S / X is the integral of 1 / r^3 along an edge.
         let (s, x) = (&self.sum, self.product.times(&self.excess(simd, place, k)));
-        let by_j = |side: usize| s.values[side][0].mul_sub(x.by_j[side], s.by_j[side] * x.values[side][0]);
-        let (y_near, y_far) = (by_j(0), by_j(1));
+        let y_near = s.values[0][0].mul_sub(x.by_j[0], s.by_j[0] * x.values[0][0]);
+        let y_far = s.values[1][0].mul_sub(x.by_j[1], s.by_j[1] * x.values[1][0]);
         let z_far = s.values[0][1].mul_sub(x.by_i[1], s.by_i[1] * x.values[0][1]);
         let y_step = s.by_i[0].mul_add(x.by_j[1], s.values[0][0] * x.mixed)
             - s.mixed.mul_add(x.values[1][0], s.by_j[0] * x.by_i[0]);
