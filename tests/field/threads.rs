@@ -1,6 +1,6 @@
 //! Fields do not depend on the number of threads or on the division of points into calls.
 
-use glam::{DQuat, DVec3};
+use glam::{DMat3, DQuat, DVec3};
 use magsplice_field::{InstructionSet, PointErrorCause, Quantity, Scene, Tile};
 use rayon::ThreadPoolBuilder;
 
@@ -83,6 +83,8 @@ fn scattered(tiles: &[Tile]) -> Scene {
 fn assert_identical(scene: &Scene) {
     let points = points();
     let alone: Vec<DVec3> = points.iter().map(|&p| scene.field(Quantity::FluxDensity, p).unwrap()).collect();
+    let slope = |&p: &DVec3| scene.gradient(Quantity::FluxDensity, p).unwrap();
+    let slopes_alone: Vec<DMat3> = points.iter().map(slope).collect();
     let threads: &[usize] = if cfg!(feature = "all-cases") { &[1, 2, 3, 8] } else { &[3] };
     for &threads in threads {
         let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -95,6 +97,16 @@ fn assert_identical(scene: &Scene) {
             });
             if let Some(index) = (0..points.len()).find(|&index| field[index] != alone[index]) {
                 let (point, found, alone) = (points[index], field[index], alone[index]);
+                panic!("{found} is not {alone} at {point} with {threads} threads and batches of {batch}");
+            }
+            let mut slopes = vec![DMat3::ZERO; points.len()];
+            pool.install(|| {
+                for (points, slopes) in points.chunks(batch).zip(slopes.chunks_mut(batch)) {
+                    scene.gradient_into(Quantity::FluxDensity, points, slopes).unwrap();
+                }
+            });
+            if let Some(index) = (0..points.len()).find(|&index| slopes[index] != slopes_alone[index]) {
+                let (point, found, alone) = (points[index], slopes[index], slopes_alone[index]);
                 panic!("{found} is not {alone} at {point} with {threads} threads and batches of {batch}");
             }
         }

@@ -1,4 +1,4 @@
-//! The gradient of one cuboid at points that share a method.
+//! The closed form of the gradient of one cuboid, in vectors.
 
 use std::f64::consts::PI;
 
@@ -6,115 +6,58 @@ use fearless_simd::prelude::*;
 use magsplice_simd::compensated_sum::TwoSum;
 use magsplice_simd::functions::Functions;
 use magsplice_simd::lanes::Lanes;
-use magsplice_simd::lanes::Number;
 
-use crate::block::{Block, LocalPoint};
-use crate::closed_form::gradient::{COMPONENTS, GradientTerms};
+use crate::block::Block;
+use crate::closed_form::gradient::COMPONENTS;
 use crate::closed_form::near_edge::{Interior, offsets_and_steps};
 use crate::closed_form::positive::Octant;
-use crate::closed_form::single_tile::ClosedForm;
 use crate::method::MethodRanges;
-use crate::series::coefficients::Series;
-use crate::series::multipole::{Distant, TruncatedSeries};
-use crate::shape::Shape;
-use crate::tolerances::POSITIVE_REACH;
+use crate::tolerances::{GRADIENT_REACH, THINNEST_GRADIENT};
 
 /// One cuboid prepared for its gradient in vectors.
-pub struct GradientEvaluator<'a> {
-    /// The points of [`GradientMethod::Near`].
+pub struct GradientEvaluator {
+    /// The points close to the cuboid and in it, off the planes of its faces.
     near: Interior,
-    /// The points of [`GradientMethod::Positive`].
-    around: Interior,
-    positive: PositiveTerms,
-    closed_form: ClosedForm,
-    terms: GradientTerms,
-    distant: &'a Distant,
-    series: &'a Series,
-    highest_order: usize,
-}
-
-/// A cuboid's data for the gradient by [`Octant`].
-pub(crate) struct PositiveTerms {
+    is_resolved: bool,
     faces: [[TwoSum; 2]; 3],
     scale: f64,
     /// Sides, scaled.
     size: [f64; 3],
-    /// J / 2 pi in tesla, times the scale.
+    /// J / 4 pi in tesla, times the scale.
     weights: [f64; 3],
 }
 
-impl PositiveTerms {
-    /// The terms of a block whose lengths `scale` brings to order one.
-    pub(crate) fn new(block: &Block, scale: f64) -> PositiveTerms {
-        let weights = block.polarization_t.to_array().map(|j| j * scale / (2.0 * PI));
-        PositiveTerms { faces: block.faces, scale, size: block.size.map(|side| side * scale), weights }
-    }
-
-    /// Adds the gradient at a vector of points.
-    #[inline(always)]
-    pub(crate) fn add<N: Functions>(&self, simd: N::Instructions, point: [N; 3], sum: &mut [N; COMPONENTS]) {
-        let (offsets, steps) = offsets_and_steps(simd, &self.faces, self.scale, point);
-        Octant::differentiated(simd, offsets, steps, self.size).add_gradient(simd, self.weights, sum);
-    }
-}
-
-/// A method for the gradient in vectors.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum GradientMethod {
-    /// The differentiated sums of positive terms, off the planes of the faces.
-    Positive,
-    /// The closed form inside and close to a cuboid, off the planes of its faces.
-    Near,
-    /// The closed form, in the range of the field's closed form.
-    ClosedForm,
-    /// The multipole series up to an order in (half diagonal / distance)^2.
-    Series(usize),
-}
-
-impl<'a> GradientEvaluator<'a> {
-    /// Prepares a block with its ranges, moment and series.
-    pub fn new(
-        block: &Block,
-        ranges: &'a MethodRanges,
-        distant: &'a Distant,
-        series: &'a Series,
-    ) -> GradientEvaluator<'a> {
-        let form = Shape::new(block, ranges.scale).form();
-        let terms = GradientTerms::from_block(block, ranges.scale, form);
+impl GradientEvaluator {
+    /// Prepares a block with its ranges.
+    pub fn new(block: &Block, ranges: &MethodRanges) -> GradientEvaluator {
+        let scale = ranges.scale;
+        let size = block.size.map(|side| side * scale);
+        let longest = size.into_iter().fold(0.0, f64::max);
         GradientEvaluator {
-            near: Interior::new(block).within(terms.near_reach() / ranges.scale),
-            around: Interior::new(block).within(POSITIVE_REACH / ranges.scale),
-            positive: PositiveTerms::new(block, ranges.scale),
-            closed_form: ClosedForm::new(block, ranges.scale, form),
-            terms,
-            distant,
-            series,
-            highest_order: ranges.highest_order(),
+            near: Interior::new(block).within(GRADIENT_REACH / scale),
+            is_resolved: size.into_iter().all(|side| side >= THINNEST_GRADIENT * longest),
+            faces: block.faces,
+            scale,
+            size,
+            weights: block.polarization_t.to_array().map(|j| j * scale / (4.0 * PI)),
         }
     }
 
-    /// Whether the closed form keeps its bound.
-    pub fn has_closed_form(&self) -> bool {
-        self.terms.has_closed_form()
-    }
-
-    /// The method for a point at which the field has no method in vectors, or no closed form with a
-    /// gradient; `None` near the planes of the faces and far away.
-    pub fn method_near(&self, point: &LocalPoint) -> Option<GradientMethod> {
-        let method = if self.near.covers(point) { GradientMethod::Near } else { GradientMethod::Positive };
-        (self.terms.is_resolved() && self.around.covers(point)).then_some(method)
+    /// Whether the form covers points at which the field has no method in vectors: not on the
+    /// planes of the faces, and not far away. Points are given by axis in whole vectors, with the
+    /// bounds of the errors of their coordinates; the result is 1 or 0.
+    pub fn cover_near<S: Simd>(&self, simd: S, points: [&[f64]; 3], roundoff: [&[f64]; 3], covered: &mut [f64]) {
+        if self.is_resolved {
+            self.near.cover(simd, points, roundoff, covered);
+        } else {
+            covered.fill(0.0);
+        }
     }
 
     /// The gradient of B in tesla per length, in the frame of the cuboid, at points given by axis
     /// in whole vectors: xx, yy, zz, yz, xz, xy.
     #[inline(never)]
-    pub fn gradients<S: Simd>(
-        &self,
-        simd: S,
-        method: GradientMethod,
-        [x, y, z]: [&[f64]; 3],
-        mut gradients: [&mut [f64]; COMPONENTS],
-    ) {
+    pub fn gradients<S: Simd>(&self, simd: S, [x, y, z]: [&[f64]; 3], mut gradients: [&mut [f64]; COMPONENTS]) {
         simd.vectorize(
             #[inline(always)]
             || {
@@ -125,21 +68,7 @@ impl<'a> GradientEvaluator<'a> {
                         Lanes::load(simd, &y[lanes.clone()]),
                         Lanes::load(simd, &z[lanes.clone()]),
                     ];
-                    let mut sum = [Lanes::splat(simd, 0.0); COMPONENTS];
-                    match method {
-                        GradientMethod::Positive => self.positive.add(simd, point, &mut sum),
-                        GradientMethod::Near => {
-                            let place = self.closed_form.place(simd, point);
-                            let steps = self.closed_form.twice_from_centre(simd, point);
-                            self.terms.add(simd, &place, Some(&steps), &mut sum);
-                        }
-                        GradientMethod::ClosedForm => {
-                            let place = self.closed_form.place(simd, point);
-                            self.terms.add(simd, &place, None, &mut sum);
-                        }
-                        GradientMethod::Series(order) => self.add_series(simd, order, point, &mut sum),
-                    }
-                    for (gradients, component) in gradients.iter_mut().zip(sum) {
+                    for (gradients, component) in gradients.iter_mut().zip(self.gradient(simd, point)) {
                         component.store(&mut gradients[lanes.clone()]);
                     }
                 }
@@ -147,15 +76,12 @@ impl<'a> GradientEvaluator<'a> {
         );
     }
 
-    /// Adds the series. The gradient needs one order more than the field.
+    /// The gradient at numbers of any kind.
     #[inline(always)]
-    fn add_series<S: Simd>(&self, simd: S, order: usize, point: [Lanes<S>; 3], sum: &mut [Lanes<S>; COMPONENTS]) {
-        let order = (order + 1).min(self.highest_order);
-        let series = TruncatedSeries { tile: self.distant, series: self.series, order };
-        let [x, y, z] = series.differentiated(simd, point);
-        let components = [x.slope[0], y.slope[1], z.slope[2], y.slope[2], x.slope[2], x.slope[1]];
-        for (sum, component) in sum.iter_mut().zip(components) {
-            *sum = *sum + component;
-        }
+    pub(crate) fn gradient<N: Functions>(&self, simd: N::Instructions, point: [N; 3]) -> [N; COMPONENTS] {
+        let (offsets, steps) = offsets_and_steps(simd, &self.faces, self.scale, point);
+        let mut sum = [N::splat(simd, 0.0); COMPONENTS];
+        Octant::new(simd, offsets, steps, self.size).add_gradient(simd, self.weights, &mut sum);
+        sum
     }
 }

@@ -9,13 +9,13 @@ use magsplice_simd::prefetch::Prefetch;
 
 use crate::block::{Block, LocalPoint};
 use crate::closed_form::gradient::COMPONENTS;
-use crate::closed_form::near_edge::NearEdges;
+use crate::closed_form::near_edge::{Interior, NEAR_FORMS, NearEdges};
 use crate::evaluator::Evaluator;
-use crate::gradient_evaluator::{GradientEvaluator, GradientMethod};
+use crate::gradient_evaluator::GradientEvaluator;
 use crate::method::{CLOSED_FORM, FIRST_FAR, MOST_FAR, Method, MethodRanges, SMALL_ELEMENTS};
 use crate::scalar::kernel::{FieldKind, cuboid_field, cuboid_gradient};
-use crate::series::coefficients::Series;
-use crate::series::multipole::{Distant, TruncatedSeries};
+use crate::series::coefficients::{GradientSeries, Series};
+use crate::series::multipole::{Distant, TruncatedGradient, TruncatedSeries};
 use crate::tolerances::{
     EXACT_BOUND, GRADIENT_BOUND, HIGHEST_ORDER, MAGNITUDE_ROUNDING, MULTIPOLE_ORDERS, SMALL_ANGLE,
 };
@@ -197,15 +197,15 @@ fn magnitude_from_the_elements_bounds_the_sum_over_components() {
     assert!(count > 5000 && last < 2.0, "{count} bounds, at most {last} times the sum");
 }
 
-/// Points outside plates and strips, closer than the start of the closed form, have a method in
-/// vectors that keeps the error bound.
+/// Points outside cuboids, closer than the start of the closed form, have a method in vectors that
+/// keeps the error bound, also where a face fills more than half of the view.
 #[test]
-fn points_close_to_plates_and_strips_keep_the_error_bound() {
+fn points_close_to_cuboids_keep_the_error_bound() {
     let mut count = 0;
     let mut worst = 0.0_f64;
-    for [width, thickness] in
-        [[1.0, 0.09], [0.5, 0.03], [0.9, 1e-3], [0.1, 1e-3], [1e-2, 1e-3], [1e-3, 1e-6], [1.0, 1e-11]]
-    {
+    let compact = [[0.9, 0.8], [0.6, 0.3], [0.2, 0.15]];
+    let thin = [[1.0, 0.09], [0.5, 0.03], [0.9, 1e-3], [0.1, 1e-3], [1e-2, 1e-3], [1e-3, 1e-6], [1.0, 1e-11]];
+    for [width, thickness] in compact.into_iter().chain(thin) {
         for axis in 0..3 {
             let mut size = DVec3::ONE;
             (size[axis], size[(axis + 1) % 3]) = (thickness, width);
@@ -249,20 +249,56 @@ fn points_close_to_plates_and_strips_keep_the_error_bound() {
     assert!(count > 10_000 && worst > 1e-15, "{count} points, {worst:e}");
 }
 
-/// The gradient in vectors keeps the error bound where it is used: inside and close to compact
-/// cuboids, beside rods, and by each order of the series.
+/// A vector of points has the forms of its points: on both sides of the ends of each form, and with
+/// errors of coordinates up to the distances from the faces.
+#[test]
+fn vectors_of_points_have_the_form_of_each_point() {
+    let mut counts = [0; NEAR_FORMS + 1];
+    for size in [[1.0, 0.9, 0.8], [1.0, 0.3, 1e-3], [3.0, 0.1, 0.1], [1.0, 1.0, 1e-13]] {
+        let size = DVec3::from(size);
+        let block = Block::new(0, DVec3::new(0.3, 0.1, 0.2), size, DVec3::ONE, size.min_element());
+        let near = NearEdges::new(&block, FieldKind::Density);
+        let points = (0..2000_u32).map(|n| {
+            let turn = f64::from(n);
+            let place = DVec3::new((0.754 * turn).fract(), (0.569 * turn).fract(), (0.311 * turn).fract()) - 0.5;
+            let spread = 10_f64.powf(-14.0 * (0.618 * turn).fract());
+            let mut point = DVec3::new(0.3, 0.1, 0.2) + place * size;
+            let axis = n as usize % 3;
+            point[axis] = block.faces[axis][1].hi + if n.is_multiple_of(4) { -spread } else { spread };
+            let roundoff = if n.is_multiple_of(5) { 0.0 } else { spread * (0.9 + 0.2 * (0.43 * turn).fract()) };
+            LocalPoint { coordinates: point.to_array(), roundoff: [roundoff; 3] }
+        });
+        let points: Vec<LocalPoint> = points.collect();
+        let axes = [0, 1, 2].map(|axis| points.iter().map(|p| p.coordinates[axis]).collect::<Vec<f64>>());
+        let roundoff = [0, 1, 2].map(|axis| points.iter().map(|p| p.roundoff[axis]).collect::<Vec<f64>>());
+        for level in levels() {
+            let mut forms = vec![0.0; points.len()];
+            let (axes, roundoff) = (axes.each_ref().map(|a| &a[..]), roundoff.each_ref().map(|a| &a[..]));
+            dispatch!(level, simd => near.forms(simd, axes, roundoff, &mut forms));
+            for (point, form) in points.iter().zip(forms) {
+                let expected = near.form(point).unwrap_or(NEAR_FORMS);
+                assert_eq!(form, expected as f64, "{size}, {level:?}, {:?}", point.coordinates);
+                counts[expected] += 1;
+            }
+        }
+    }
+    assert!(counts.iter().all(|count| *count > 300), "{counts:?}");
+}
+
+/// The gradient in vectors keeps the error bound where it is used: inside and close to cuboids,
+/// beside them, and by each order of the series.
 #[test]
 fn gradient_in_vectors_keeps_the_error_bound() {
-    let mut counts = [0; 4];
+    let mut counts = [0; 3];
     let mut worst = 0.0_f64;
-    for size in [[1.0; 3], [1.0, 3.3, 1.0], [0.4, 0.3, 1.0], [2.0, 2.0, 1e-3], [1.0, 0.2, 8.0], [31.0, 1.0, 0.5]] {
+    for size in [[1.0; 3], [1.0, 3.3, 1.0], [0.4, 0.3, 1.0], [2.0, 2.0, 1e-3], [1.0, 0.2, 8.0], [700.0, 1.0, 0.5]] {
         for j in [DVec3::X, DVec3::Y, DVec3::Z, DVec3::new(0.3, -0.5, 0.7)] {
             let size = DVec3::from(size);
             let block = Block::new(0, DVec3::ZERO, size, j, size.min_element());
             let ranges = MethodRanges::from_block(&block);
-            let series = Series::new(size.to_array(), ranges.highest_order());
+            let series = GradientSeries::new(size.to_array(), ranges.highest_order());
             let distant = Distant::new(&block, ranges.scale);
-            let evaluator = GradientEvaluator::new(&block, &ranges, &distant, &series);
+            let evaluator = GradientEvaluator::new(&block, &ranges);
             for n in 0..600_u32 {
                 let turn = f64::from(n);
                 let place = DVec3::new((0.754 * turn).fract(), (0.569 * turn).fract(), (0.311 * turn).fract()) - 0.5;
@@ -270,20 +306,12 @@ fn gradient_in_vectors_keeps_the_error_bound() {
                 let point = place * (size + spread * size.max_element());
                 let at = LocalPoint { coordinates: point.to_array(), roundoff: [0.0; 3] };
                 let index = ranges.method_of_box(point.to_array(), point.to_array(), false);
-                let method = match index.map(|index| ranges.method(index)) {
-                    Some(Method::Series { order }) => GradientMethod::Series(order),
-                    Some(_) if evaluator.has_closed_form() => GradientMethod::ClosedForm,
-                    _ => match evaluator.method_near(&at) {
-                        Some(method) => method,
-                        None => continue,
-                    },
-                };
-                counts[match method {
-                    GradientMethod::Near => 0,
-                    GradientMethod::ClosedForm => 1,
-                    GradientMethod::Series(_) => 2,
-                    GradientMethod::Positive => 3,
-                }] += 1;
+                let method = index.map(|index| ranges.method(index));
+                let is_far = matches!(method, Some(Method::Series { .. }));
+                if method.is_none() && !Interior::new(&block).is_off_planes(&at) {
+                    continue;
+                }
+                counts[if is_far { 2 } else { usize::from(method.is_some()) }] += 1;
                 let placed = block.place(&at).expect("near enough");
                 let of =
                     |j: DVec3| cuboid_gradient(&placed.offsets, j.to_array()).map(|row| row.map(|s| s * placed.scale));
@@ -295,7 +323,13 @@ fn gradient_in_vectors_keeps_the_error_bound() {
                     let axes = point.to_array().map(|coordinate| [coordinate; PAIR]);
                     let axes = axes.each_ref().map(|axis| &axis[..]);
                     let written = components.each_mut().map(|values| &mut values[..]);
-                    dispatch!(level, simd => evaluator.gradients(simd, method, axes, written));
+                    if let Some(Method::Series { order }) = method {
+                        let order = (order + 1).min(ranges.highest_order());
+                        let series = TruncatedGradient { tile: &distant, series: &series, order };
+                        dispatch!(level, simd => series.gradients(simd, axes, written));
+                    } else {
+                        dispatch!(level, simd => evaluator.gradients(simd, axes, written));
+                    }
                     let places = [[0, 0], [1, 1], [2, 2], [1, 2], [0, 2], [0, 1]];
                     for ([row, column], values) in places.into_iter().zip(components) {
                         let error = (values[0] - exact[row][column]).abs() / magnitude;

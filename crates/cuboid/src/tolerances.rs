@@ -44,17 +44,8 @@ pub const NEAR_EDGE_ASPECT: f64 = 0.125;
 /// half-infinite rods. Nearer to an edge its error grows like 1 / distance.
 pub const THIN_FROM: f64 = 3e-3;
 
-/// Largest ratio of the longest to the second side for the closed form of the gradient in vectors.
-/// Beside the middle of a rod the contributions of its ends cancel up to the inverse of that ratio.
-pub const LONGEST_GRADIENT_ROD: f64 = 30.0;
-
-/// Smallest ratio of the shortest to the longest side for which the fast form of the gradient close
-/// to a cuboid reaches [`NEAR_FRACTION`] of the longest side. In flatter cuboids it reaches that
-/// fraction of the shortest side: it loses the ratio of the distance to that side.
-pub const NEAR_GRADIENT_ASPECT: f64 = 0.3;
-
 /// Smallest ratio of the shortest to the longest side for the gradient in vectors close to a
-/// cuboid: products of twenty lengths are normal numbers.
+/// cuboid: products of sixteen lengths are normal numbers.
 pub const THINNEST_GRADIENT: f64 = power_of_two(-20);
 
 /// Largest distance from a plate or a rod along an axis, in shortest sides, for the field by sums
@@ -64,8 +55,8 @@ pub const THINNEST_GRADIENT: f64 = power_of_two(-20);
 pub const POSITIVE_FIELD_REACH: f64 = 30.0;
 
 /// Largest distance from a cuboid along an axis, scaled so that the longest side is between 1 and
-/// 2, for the gradient by sums of positive terms. The series of all cuboids begin nearer.
-pub const POSITIVE_REACH: f64 = 32.0;
+/// 2, for the closed form of the gradient in vectors. The series of all cuboids begin nearer.
+pub const GRADIENT_REACH: f64 = 32.0;
 
 /// Smallest ratio of the shortest to the longest side for which points close to a plate or a rod
 /// are evaluated in vectors: squares of distances stay in the range of
@@ -140,8 +131,9 @@ pub const EXACT_BOUND: f64 = 1e-13;
 /// Error bound of the gradient, as a fraction of the sum of the largest components of the gradients
 /// of every single component of J of every tile.
 ///
-/// It follows from the same analysis. The largest bound found is 2.3e-13, beside rods of aspect 25.
-pub const GRADIENT_BOUND: f64 = 3e-13;
+/// The largest bound that the same analysis finds is 2.8e-14. The expansions of clusters add a
+/// truncation error of up to 6e-14.
+pub const GRADIENT_BOUND: f64 = 1e-13;
 
 /// Error of the field of a cuboid with a face moved by a fraction of its least side, over that
 /// fraction and the bound of its magnitude, at points at least a tenth of that side from its edges.

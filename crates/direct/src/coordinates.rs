@@ -2,11 +2,13 @@
 
 use fearless_simd::prelude::*;
 use glam::DVec3;
+use magsplice_magnet::tolerances::UNIT_ROUNDOFF;
 use magsplice_magnet::{MAX_LENGTH, is_in_range};
 use magsplice_simd::column::Column;
 use magsplice_simd::lanes::{Lanes, Number, PAIR};
 
 use crate::prepare::frames::{Frame, Frames};
+use crate::tolerances::POINT_ROUNDINGS;
 
 /// Points by axis, padded to whole pairs of vectors; NaN where a point is out of range.
 #[derive(Debug, Default)]
@@ -90,6 +92,27 @@ impl Coordinates {
         }
     }
 
+    /// Bounds of the errors of the coordinates of `points` in a frame, bit-identical to
+    /// [`Frames::roundoff`].
+    #[inline(always)]
+    pub(super) fn set_roundoff<S: Simd>(&mut self, simd: S, frames: &Frames, frame: &Frame, points: &Coordinates) {
+        let [x, y, z] = &points.axes;
+        for (axis, bounds) in self.axes.iter_mut().enumerate() {
+            bounds.set_len(x.len());
+            let Err((_, origin)) = frames.axis(frame, axis) else {
+                bounds.fill(0.0);
+                continue;
+            };
+            for (number, bounds) in bounds.chunks_exact_mut(Lanes::<S>::LEN).enumerate() {
+                let (start, end) = (number * Lanes::<S>::LEN, (number + 1) * Lanes::<S>::LEN);
+                let x = (Lanes::<S>::load(simd, &x[start..end]) - origin.x).abs();
+                let y = (Lanes::<S>::load(simd, &y[start..end]) - origin.y).abs();
+                let z = (Lanes::<S>::load(simd, &z[start..end]) - origin.z).abs();
+                ((x + y + z) * (POINT_ROUNDINGS * UNIT_ROUNDOFF)).store(bounds);
+            }
+        }
+    }
+
     /// Smallest and largest coordinates.
     #[inline(always)]
     pub(super) fn reach<S: Simd>(&self, simd: S) -> ([f64; 3], [f64; 3]) {
@@ -112,6 +135,16 @@ impl Coordinates {
             (lows[axis], highs[axis]) = (least, most);
         }
         (lows, highs)
+    }
+
+    /// Copies the chosen points, padded to whole pairs of vectors; all must be in range.
+    pub(super) fn set_chosen(&mut self, points: &[DVec3], chosen: &[u32]) {
+        for (axis, coordinates) in self.axes.iter_mut().enumerate() {
+            coordinates.fill_with(0.0, chosen.len().next_multiple_of(PAIR));
+            for (coordinate, &index) in coordinates.iter_mut().zip(chosen) {
+                *coordinate = points[index as usize][axis];
+            }
+        }
     }
 
     /// Copies the chosen points, padded to whole pairs of vectors.

@@ -31,6 +31,8 @@ mod error_bounds;
 pub mod far_field;
 /// The gradient summed over tiles at a batch of points.
 pub mod gradient_sum;
+/// Compensated sums of gradients at a batch of points.
+mod gradient_totals;
 /// Upper bounds of the sum of magnitudes over tiles.
 pub mod magnitude;
 /// The scalar kernel at points in and close to a tile.

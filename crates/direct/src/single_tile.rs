@@ -33,6 +33,10 @@ pub(super) struct SingleTile {
     points: Coordinates,
     local: Coordinates,
     methods: Column,
+    /// The form of each point close to the tile.
+    forms: Column,
+    /// Bounds of the errors of the coordinates of these points.
+    roundoff: Coordinates,
     queues: Queues,
     fields: [Column; 3],
     magnitudes_t: Column,
@@ -96,7 +100,7 @@ impl SingleTile {
                 let end = (start + STREAMED_POINTS).min(work.points.len());
                 self.asked = self.asked.max(start + FETCHED_AHEAD);
                 self.sort(simd, work, start, &work.points[start..end], field);
-                self.divide_near(work, field, weak.as_deref_mut(), edges);
+                self.divide_near(simd, work, field, weak.as_deref_mut(), edges);
             }
             for method in methods.clone() {
                 let mut count = self.queues.count(method) / PAIR * PAIR;
@@ -144,20 +148,35 @@ impl SingleTile {
     /// Moves points close to the tile and off the planes of its faces to a queue of their own. The
     /// scalar kernel evaluates the few others.
     #[inline(always)]
-    fn divide_near(
+    fn divide_near<S: Simd>(
         &mut self,
+        simd: S,
         work: Work,
         field: &mut [DVec3],
         mut weak: Option<&mut WeakPoints>,
         edges: &mut BTreeMap<usize, EdgesAtPoint>,
     ) {
-        for waiting in 0..self.queues.count(SCALAR) {
+        let count = self.queues.count(SCALAR);
+        if count == 0 {
+            return;
+        }
+        self.queues.fill_up(SCALAR);
+        let waiting = self.queues.points(SCALAR);
+        if work.frame.to_scene.rotation().is_some() {
+            self.points.set_chosen(work.points, self.queues.places(SCALAR));
+            self.roundoff.set_roundoff(simd, work.frames, work.frame, &self.points);
+        } else {
+            self.roundoff.axes.iter_mut().for_each(|bounds| bounds.fill_with(0.0, waiting[0].len()));
+        }
+        self.forms.set_len(waiting[0].len());
+        work.near_edge.forms(simd, waiting, views(&self.roundoff.axes), &mut self.forms);
+        for waiting in 0..count {
             let (place, coordinates) = self.queues.at(SCALAR, waiting);
-            let roundoff = work.frames.roundoff(work.frame, work.points[place]);
-            let at = LocalPoint { coordinates, roundoff };
-            if let Some(form) = work.near_edge.form(&at) {
-                self.queues.join(NEAR_EDGE + form as MethodIndex, place, coordinates);
+            let form = self.forms[waiting] as MethodIndex;
+            if usize::from(form) < NEAR_FORMS {
+                self.queues.join(NEAR_EDGE + form, place, coordinates);
             } else {
+                let at = LocalPoint { coordinates, roundoff: work.frames.roundoff(work.frame, work.points[place]) };
                 let block = &work.frame.blocks[0];
                 self.finite = false;
                 field[place] = near_field(block, &at, work.frame, work.kind, || edges.entry(place).or_default());

@@ -49,6 +49,11 @@ pub struct Sum {
     gathered_near: Coordinates,
     /// The points close to a tile, by form.
     near_edge: [Vec<u32>; NEAR_FORMS],
+    /// The form of each point close to a tile.
+    forms: Column,
+    gathered_in_scene: Coordinates,
+    /// Bounds of the errors of the gathered coordinates.
+    roundoff: Coordinates,
     /// The field of one tile or cluster, in its frame.
     fields: [Column; 3],
     runs: Runs,
@@ -350,18 +355,26 @@ impl Sum {
         let [x, y, z] = &of.local.axes;
         let mut of_forms = std::mem::take(&mut self.near_edge);
         of_forms.iter_mut().for_each(Vec::clear);
-        for &point in chosen {
-            let index = point as usize;
+        self.gathered_in_scene.gather(&self.points, chosen);
+        self.gathered.gather(of.local, chosen);
+        self.forms.set_len(self.gathered.padded());
+        dispatch!(of.level, simd => {
+            self.roundoff.set_roundoff(simd, of.frames, of.frame, &self.gathered_in_scene);
+            let (points, roundoff) = (views(&self.gathered.axes), views(&self.roundoff.axes));
+            near_edge.forms(simd, points, roundoff, &mut self.forms);
+        });
+        for (number, &point) in chosen.iter().enumerate() {
+            let (form, index) = (self.forms[number] as usize, point as usize);
+            if form < NEAR_FORMS {
+                of_forms[form].push(point);
+                continue;
+            }
             let at = LocalPoint {
                 coordinates: [x[index], y[index], z[index]],
                 roundoff: of.frames.roundoff(of.frame, of.points[index]),
             };
-            if let Some(form) = near_edge.form(&at) {
-                of_forms[form].push(point);
-            } else {
-                let own = near_field(block, &at, of.frame, of.kind, || self.edges.entry(index).or_default());
-                self.totals.add_one(index, own.to_array());
-            }
+            let own = near_field(block, &at, of.frame, of.kind, || self.edges.entry(index).or_default());
+            self.totals.add_one(index, own.to_array());
         }
         for (form, chosen) in of_forms.iter().enumerate().filter(|(_, chosen)| !chosen.is_empty()) {
             self.gathered.gather(of.local, chosen);

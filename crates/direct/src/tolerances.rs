@@ -103,6 +103,12 @@ pub(crate) const POINTS_PER_BATCH: [usize; 2] = [64, 512];
 /// 3^1/2).
 pub(crate) const FAR_MAGNITUDE: f64 = 4.21;
 
+/// Largest field of a tile over its J, for each component, at points close to it that are evaluated
+/// in vectors. They are at least 2^-40 of the longest side from all planes of its faces, or 0.003
+/// of the second side, at least 2^-40 of the longest, from the tile. Eqs. P46 and P52 give at most
+/// 7.6 there.
+pub(crate) const NEAR_FIELD_OVER_J: f64 = 8.0;
+
 /// Smallest field that keeps a tolerance over the magnitude of a single tile, up to which a bound
 /// from the distances of a point decides nearly all points. The bound is at most 60 times the
 /// magnitude beside rods, and the field is rarely below a tenth of it. Above this ratio the closed

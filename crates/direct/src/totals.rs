@@ -116,8 +116,9 @@ impl Totals {
     }
 }
 
+/// Adds a vector of terms to sums with carries.
 #[inline(always)]
-fn add_vector<S: Simd>(simd: S, term: Lanes<S>, sums: &mut [f64], carries: &mut [f64]) {
+pub(crate) fn add_vector<S: Simd>(simd: S, term: Lanes<S>, sums: &mut [f64], carries: &mut [f64]) {
     let (sum, low) = Lanes::<S>::load(simd, sums).two_sum(term);
     sum.store(sums);
     (Lanes::<S>::load(simd, carries) + low).store(carries);

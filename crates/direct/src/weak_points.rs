@@ -8,22 +8,23 @@ use std::f64::consts::PI;
 use glam::DVec3;
 use magsplice_cuboid::block::Block;
 use magsplice_cuboid::method::{CLOSED_FORM, FIRST_FAR, MethodIndex, MethodRanges, SMALL_ELEMENTS};
-use magsplice_cuboid::tolerances::{EXACT_BOUND, SMALL_ANGLE};
+use magsplice_cuboid::tolerances::{EXACT_BOUND, LARGEST_FIELD_OVER_J, SMALL_ANGLE};
 use magsplice_magnet::Tolerance;
 
 use super::magnitude::{LEAST_COMPARED, LeastField, MagnitudeBounds};
 use super::queues::OWN_QUEUE;
-use crate::tolerances::{DECIDED_BY_DISTANCE, FAR_MAGNITUDE};
+use crate::tolerances::{DECIDED_BY_DISTANCE, FAR_MAGNITUDE, NEAR_FIELD_OVER_J};
 
 /// The comparison of fields with a tolerance, and the points where it fails.
 #[derive(Debug)]
 pub struct WeakPoints {
     least: LeastField,
     /// Smallest squares of fields that keep the tolerance, in square tesla: of the closed form and
-    /// of its form for small elements, of the series, and elsewhere.
+    /// of its form for small elements, and of the series.
     closed_form_squared: [f64; 2],
     far_squared: f64,
-    near_squared: f64,
+    /// Of the forms close to the tile, and of the scalar kernel.
+    near_squared: [f64; 2],
     by_closed_form: bool,
     /// Index of each point, and the bound of its magnitude in tesla, infinite where it is unknown.
     pub(super) points: Vec<(u32, f64)>,
@@ -38,10 +39,13 @@ impl WeakPoints {
         magnitudes: &MagnitudeBounds,
     ) -> WeakPoints {
         let least = LeastField::new(tolerance);
-        // Outside the tile the field is weaker than J.
-        let far_t = FAR_MAGNITUDE * block.polarization_t.length();
-        let error_of_t = |magnitude_t: f64| EXACT_BOUND * block.error_weight() * magnitude_t;
-        let far_is_kept = least.at_t(error_of_t(FAR_MAGNITUDE)) <= 1.0 || least.at_t(error_of_t(far_t)) == 0.0;
+        let far_error_t = EXACT_BOUND * block.error_weight() * FAR_MAGNITUDE;
+        let far_is_kept = least.at_t(far_error_t) <= 1.0 || {
+            let half_diagonal = ranges.half_size.iter().map(|half| half * half).sum::<f64>().sqrt();
+            let series_from = ranges.far.first().map_or(f64::INFINITY, |(square, _)| square.sqrt());
+            let far_t = magnitudes.beyond_t((series_from - half_diagonal) / ranges.scale);
+            least.at_t(EXACT_BOUND * far_t) == 0.0
+        };
         let closed_form_t = magnitudes.beyond_t(ranges.closed_form_from.sqrt() / ranges.scale);
         // |T| is at most the integral of dV / 2 pi r^3.
         let small_t = SMALL_ANGLE / (2.0 * PI) * block.error_weight() * block.polarization_t.abs().element_sum();
@@ -49,7 +53,8 @@ impl WeakPoints {
             least,
             closed_form_squared: [closed_form_t, small_t].map(|t| least.squared_at(EXACT_BOUND * t)),
             far_squared: if far_is_kept { LEAST_COMPARED.powi(2) } else { f64::INFINITY },
-            near_squared: least.squared_at(EXACT_BOUND * magnitudes.largest_t()),
+            near_squared: [NEAR_FIELD_OVER_J / LARGEST_FIELD_OVER_J, 1.0]
+                .map(|share| least.squared_at(EXACT_BOUND * share * magnitudes.largest_t())),
             by_closed_form: !(least.at_t(EXACT_BOUND) <= DECIDED_BY_DISTANCE),
             points: Vec::new(),
         }
@@ -86,7 +91,7 @@ impl WeakPoints {
             CLOSED_FORM => self.closed_form_squared[0],
             SMALL_ELEMENTS => self.closed_form_squared[1],
             FIRST_FAR..OWN_QUEUE => self.far_squared,
-            _ => self.near_squared,
+            _ => self.near_squared[0],
         };
         if squares.clone().fold(false, |any, square| any | (square < least_squared)) {
             let weak = squares.zip(places).filter(|(square, _)| *square < least_squared);
@@ -96,7 +101,7 @@ impl WeakPoints {
 
     /// Compares the field at one point close to the tile.
     pub(super) fn check_one(&mut self, place: u32, field_t: DVec3) {
-        if field_t.length_squared() < self.near_squared {
+        if field_t.length_squared() < self.near_squared[1] {
             self.points.push((place, f64::INFINITY));
         }
     }

@@ -38,26 +38,3 @@ impl TwoSum {
         self.hi + self.lo
     }
 }
-
-/// A running sum whose error does not grow with the number of terms (Neumaier).
-#[derive(Clone, Copy, Debug, Default)]
-pub struct RunningSum {
-    sum: f64,
-    carry: f64,
-}
-
-impl RunningSum {
-    /// Adds a term.
-    #[inline(always)]
-    pub fn add(&mut self, term: f64) {
-        let step = TwoSum::new(self.sum, term);
-        self.sum = step.hi;
-        self.carry += step.lo;
-    }
-
-    /// The sum including its carry.
-    #[inline(always)]
-    pub fn value(self) -> f64 {
-        self.sum + self.carry
-    }
-}

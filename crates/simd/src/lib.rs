@@ -14,10 +14,8 @@
 
 /// Numbers in memory aligned to cache lines.
 pub mod column;
-/// Sums of two doubles without loss, and running sums.
+/// Sums of two doubles without loss.
 pub mod compensated_sum;
-/// Numbers that carry their derivatives.
-pub mod differentiated;
 /// Logarithms and arctangents of ratios.
 pub mod functions;
 /// The vector instructions of the processor.

@@ -1,279 +1,253 @@
 //! The gradient of the closed form in vectors (docs/physics.md, section 2.9).
 //!
-//! The third derivatives of the potential are algebraic. The integral of an edge has two
-//! differences, over the sides along i and j. The difference over the shorter side j is taken
-//! before any rounding; the other loses a factor of distance over the side along i.
+//! The third derivatives of the potential are algebraic functions of the distances from the
+//! corners. They are differences over the sides of the cuboid. Each difference is divided by its
+//! step before any rounding, so no digit is lost inside a cuboid of any shape, close to it or far
+//! away.
 
 use std::f64::consts::PI;
 
-use magsplice_simd::differentiated::Differentiated;
 use magsplice_simd::lanes::Number;
 
 use super::elements::CornerGeometry;
-use super::rod::ratios_of_rod;
-use super::terms::{BB, BC, Form};
-use crate::block::Block;
-use crate::tolerances::{LONGEST_GRADIENT_ROD, NEAR_FRACTION, NEAR_GRADIENT_ASPECT, THINNEST_GRADIENT};
+use super::positive::Octant;
 
 /// Number of components of a gradient.
 pub const COMPONENTS: usize = 6;
 
-/// Whether the closed form keeps its bound for a cuboid with these sides, longest first.
-pub fn has_gradient([a, b, _]: [f64; 3]) -> bool {
-    a <= LONGEST_GRADIENT_ROD * b
-}
-
-/// The cuboid's data for the gradient.
+/// A cuboid's data for the gradient from tables of planes and corners.
 #[derive(Clone, Copy, Debug)]
 pub struct GradientTerms {
-    /// Axes a, b, c, whose sides decrease.
+    /// Axes a, b, c of the tables.
     axes: [usize; 3],
     /// Sides along a, b, c, scaled.
     sides: [f64; 3],
     /// J / 4 pi along a, b, c, in tesla times the scale.
     weights: [f64; 3],
-    form: Form,
 }
 
 impl GradientTerms {
     /// The terms of a cuboid with these scaled sides and this J in tesla, both along `axes`.
-    pub fn new(axes: [usize; 3], sides: [f64; 3], polarization_t: [f64; 3], scale: f64, form: Form) -> GradientTerms {
-        GradientTerms { axes, sides, weights: polarization_t.map(|j| j * scale / (4.0 * PI)), form }
+    pub fn new(axes: [usize; 3], sides: [f64; 3], polarization_t: [f64; 3], scale: f64) -> GradientTerms {
+        GradientTerms { axes, sides, weights: polarization_t.map(|j| j * scale / (4.0 * PI)) }
     }
 
-    /// The terms of a block whose lengths `scale` brings to order one.
-    pub fn from_block(block: &Block, scale: f64, form: Form) -> GradientTerms {
-        let mut axes = [0, 1, 2];
-        axes.sort_by(|&a, &b| block.size[b].total_cmp(&block.size[a]));
-        let along = |values: [f64; 3]| axes.map(|axis| values[axis]);
-        GradientTerms::new(
-            axes,
-            along(block.size).map(|s| s * scale),
-            along(block.polarization_t.to_array()),
-            scale,
-            form,
-        )
-    }
-
-    /// Whether the closed form keeps its bound.
-    pub fn has_closed_form(&self) -> bool {
-        has_gradient(self.sides)
-    }
-
-    /// Largest distance from the cuboid, scaled, at which the closed form for points inside and
-    /// close to it keeps its bound.
-    pub fn near_reach(&self) -> f64 {
-        let [a, _, c] = self.sides;
-        NEAR_FRACTION * if c >= NEAR_GRADIENT_ASPECT * a { a } else { c }
-    }
-
-    /// Whether products of the closed form close to the cuboid are normal numbers.
-    pub fn is_resolved(&self) -> bool {
-        let [a, _, c] = self.sides;
-        c >= THINNEST_GRADIENT * a
-    }
-
-    /// Adds the gradient of B, in tesla per length, in the frame of the cuboid: xx, yy, zz, yz, xz,
-    /// xy. Points inside the cuboid and close to it come with `steps`, twice their offsets from its
-    /// centre.
+    /// Adds the gradient of B outside the cuboid, in tesla per length, in its frame: xx, yy, zz,
+    /// yz, xz, xy.
     #[inline(always)]
-    pub fn add<N: Number>(
-        &self,
-        simd: N::Instructions,
-        place: &CornerGeometry<N>,
-        steps: Option<&[N; 3]>,
-        sum: &mut [N; COMPONENTS],
-    ) {
-        let [ja, jb, jc] = self.weights;
-        let zero = N::splat(simd, 0.0);
-        let (mut ab, mut ac, mut bc) = ([zero; 3], [zero; 3], [zero; 3]);
-        if ja != 0.0 || jb != 0.0 {
-            ab = self.edges(simd, place, [0, 1, 2], steps);
+    pub fn add<N: Number>(&self, simd: N::Instructions, place: &CornerGeometry<N>, sum: &mut [N; COMPONENTS]) {
+        let mut own = [N::splat(simd, 0.0); COMPONENTS];
+        Octant::from_corners(simd, place, self.sides).add_gradient(simd, self.weights, &mut own);
+        for (n, axis) in self.axes.into_iter().enumerate() {
+            sum[axis] = sum[axis] + own[n];
+            sum[3 + axis] = sum[3 + axis] + own[3 + n];
         }
-        if ja != 0.0 || jc != 0.0 {
-            ac = self.edges(simd, place, [0, 2, 1], steps);
-        }
-        if jb != 0.0 || jc != 0.0 {
-            let by_ends = steps.is_none() && self.form == Form::Rod;
-            bc = if by_ends { self.edges_of_rod(simd, place) } else { self.edges(simd, place, [1, 2, 0], steps) };
-        }
-        let ([aab, abb, mixed], [aac, acc, other_mixed], [bbc, bcc, _]) = (ab, ac, bc);
-        let abc = if ja != 0.0 || jb != 0.0 { mixed } else { other_mixed };
-        let (aaa, bbb) = (abb + acc, aab + bcc);
-        let [a, b, c] = self.axes;
-        let diagonal_a = aab.scale_add(jb, aac.scale_add(jc, aaa * -ja));
-        let diagonal_b = abb.scale_add(ja, bbc.scale_add(jc, bbb * -jb));
-        sum[a] = sum[a] + diagonal_a;
-        sum[b] = sum[b] + diagonal_b;
-        sum[c] = sum[c] - (diagonal_a + diagonal_b);
-        // The index of a component is its missing axis.
-        sum[3 + c] = aab.scale_add(ja, abb.scale_add(jb, abc.scale_add(jc, sum[3 + c])));
-        sum[3 + b] = aac.scale_add(ja, abc.scale_add(jb, acc.scale_add(jc, sum[3 + b])));
-        sum[3 + a] = abc.scale_add(ja, bbc.scale_add(jb, bcc.scale_add(jc, sum[3 + a])));
-    }
-
-    /// 4 pi T_iij, 4 pi T_ijj and 4 pi T_ijk from the four edges along k (Eqs. P42 to P44).
-    #[inline(always)]
-    fn edges<N: Number>(
-        &self,
-        simd: N::Instructions,
-        place: &CornerGeometry<N>,
-        [i, j, k]: [usize; 3],
-        steps: Option<&[N; 3]>,
-    ) -> [N; 3] {
-        let at = |bi: usize, bj: usize, bk: usize| (bi << (2 - i)) | (bj << (2 - j)) | (bk << (2 - k));
-        let (side_j, side_k) = (self.sides[j], self.sides[k]);
-        let [[i0, i0_square], [i1, i1_square]] = place.planes[i];
-        let [[j0, j0_square], [j1, j1_square]] = place.planes[j];
-        let [[k0, _], [k1, _]] = place.planes[k];
-        let [step_i, step_j, step_k] =
-            steps.map_or([i0 + i1, j0 + j1, k0 + k1], |steps| [steps[i], steps[j], steps[k]]);
-        let r = &place.distances;
-        let low_r = [[r[at(0, 0, 0)], r[at(0, 0, 1)]], [r[at(0, 1, 0)], r[at(0, 1, 1)]]];
-        let high_r = [[r[at(1, 0, 0)], r[at(1, 0, 1)]], [r[at(1, 1, 0)], r[at(1, 1, 1)]]];
-        let (low, high) = (EdgePair { r: low_r }, EdgePair { r: high_r });
-        let beside = Beside::new(simd, [k0, k1]);
-        let low_excesses = [
-            beside.excess(low.r[0], i0_square + j0_square, side_k),
-            beside.excess(low.r[1], i0_square + j1_square, side_k),
-        ];
-        let high_excesses = [
-            beside.excess(high.r[0], i1_square + j0_square, side_k),
-            beside.excess(high.r[1], i1_square + j1_square, side_k),
-        ];
-        let (low, high) = (low.terms(low_excesses, step_j, side_k), high.terms(high_excesses, step_j, side_k));
-        let inverse = N::splat(simd, 1.0).over(low.below * low.sums * (high.below * high.sums));
-        let (over_low, over_high) = (inverse * (high.below * high.sums), inverse * (low.below * low.sums));
-        // 1 / W and 1 / X of both pairs of edges.
-        let (w_low, w_high) = (over_low * low.sums, over_high * high.sums);
-        let (x_low, x_high) = (over_low * low.excesses, over_high * high.excesses);
-        let along_i = (i1 * high.bend).mul_sub(w_high, i0 * low.bend * w_low) * step_j;
-        let along_k = high.mixed.mul_sub(x_high, low.mixed * x_low) * (step_j * step_k);
-        let factor = -2.0 * side_k * side_j;
-        let along_j = if steps.is_some() {
-            // The same edges as pairs along i: inside the cuboid nothing cancels, so that the
-            // gradient keeps its digits where it vanishes, around the centre.
-            let (r, excesses) = ([low_r, high_r], [low_excesses, high_excesses]);
-            let across = |side: usize| EdgePair { r: [r[0][side], r[1][side]] };
-            let own = |side: usize| across(side).terms([excesses[0][side], excesses[1][side]], step_i, side_k);
-            let (low, high) = (own(0), own(1));
-            let inverse = N::splat(simd, 1.0).over(low.below * high.below);
-            let along_j = (j1 * high.bend).mul_sub(inverse * low.below, j0 * low.bend * (inverse * high.below));
-            along_j * step_i * (-2.0 * side_k * self.sides[i])
-        } else {
-            // Close to the nearer plane its edge dominates, and its offset is small.
-            let nearer = step_j.where_at_least(0.0, j1, j0) * step_j;
-            let (low_j, high_j) = (nearer.mul_sub(low.bend, low.rest), nearer.mul_sub(high.bend, high.rest));
-            high_j.mul_sub(w_high, low_j * w_low) * factor
-        };
-        [along_i * factor, along_j, along_k * (0.5 * factor)]
-    }
-
-    /// 4 pi T_bbc, 4 pi T_bcc and 4 pi T_abc of a rod, by differentiation of its T_bc.
-    #[inline(always)]
-    fn edges_of_rod<N: Number>(&self, simd: N::Instructions, place: &CornerGeometry<N>) -> [N; 3] {
-        let zero = Differentiated::<N>::splat(simd, 0.0);
-        let mut planes = [[[zero; 2]; 2]; 3];
-        for (axis, (planes, from)) in planes.iter_mut().zip(&place.planes).enumerate() {
-            for (plane, [offset, square]) in planes.iter_mut().zip(from) {
-                let offset = Differentiated::coordinate(simd, *offset, axis);
-                *plane = [offset, offset * offset];
-                plane[1].value = *square;
-            }
-        }
-        let mut distances = [zero; 8];
-        for (corner, (distance, r)) in distances.iter_mut().zip(&place.distances).enumerate() {
-            let over = N::splat(simd, 1.0).over(*r);
-            let slope = [
-                place.planes[0][corner >> 2][0] * over,
-                place.planes[1][corner >> 1 & 1][0] * over,
-                place.planes[2][corner & 1][0] * over,
-            ];
-            *distance = Differentiated { value: *r, slope };
-        }
-        let [_, b, c] = self.sides;
-        let (mut factors, mut squares) = ([0.0; 6], [0.0; 3]);
-        (factors[BC], factors[BB], squares[2]) = (b * c, b * c, c * c);
-        let [[n, m], _] = ratios_of_rod(simd, &CornerGeometry { planes, distances }, &factors, &squares);
-        let rate = N::splat(simd, 2.0).over((m.value - n.value) * (m.value + n.value));
-        let mut slopes = [rate; 3];
-        for (slope, (n_slope, m_slope)) in slopes.iter_mut().zip(n.slope.into_iter().zip(m.slope)) {
-            *slope = rate * n_slope.mul_sub(m.value, n.value * m_slope);
-        }
-        let [a, b, c] = slopes;
-        [b, c, a]
     }
 }
 
-/// The two edges on one side along i: distances from their ends, by the side along j.
-struct EdgePair<N> {
-    r: [[N; 2]; 2],
-}
-
-/// The terms of Eqs. P42 to P44 of one side along i.
-struct PairTerms<N> {
-    /// K.
-    bend: N,
-    /// S u_0 u_1 of the edge farther along j, times P Q of the nearer edge.
-    rest: N,
-    /// M.
+/// A function of the squares of the offsets along i and j: its values, by side along i and along j,
+/// and its divided differences.
+struct Divided<N> {
+    values: [[N; 2]; 2],
+    /// Differences over i over the step of the square, by side along j.
+    by_i: [N; 2],
+    /// Differences over j likewise, by side along i.
+    by_j: [N; 2],
+    /// The difference over j of the differences over i, over both steps.
     mixed: N,
-    /// W.
-    below: N,
-    /// S_0 S_1.
-    sums: N,
-    /// Q_0 Q_1.
-    excesses: N,
 }
 
-impl<N: Number> EdgePair<N> {
+impl<N: Number> Divided<N> {
+    /// The product of two functions.
     #[inline(always)]
-    fn terms(&self, [q0, q1]: [N; 2], step_j: N, length: f64) -> PairTerms<N> {
-        let [[r00, r01], [r10, r11]] = self.r;
-        let (s0, s1) = (r00 + r01, r10 + r11);
-        let (p0, p1) = (r00 * r01, r10 * r11);
-        let (u0, u1) = (r00 + r10, r01 + r11);
-        let common = (u0 + u1) * p0;
-        let cross = r11.mul_add(u1, r00 * u0);
-        let (sums, uu, excesses) = (s0 * s1, u0 * u1, q0 * q1);
-        PairTerms {
-            bend: common.mul_add(sums - -(length * length), (s0 * cross) * q1),
-            rest: step_j.where_at_least(0.0, s0 * (p1 * q1), s1 * (p0 * q0)) * uu,
-            mixed: s1.mul_add(cross, common),
-            below: uu * (p0 * p1) * excesses,
-            sums,
-            excesses,
+    fn times(&self, other: &Divided<N>) -> Divided<N> {
+        let (f, g) = (self, other);
+        let mut product = Divided { values: f.values, by_i: f.by_i, by_j: f.by_j, mixed: f.mixed };
+        for side in 0..2 {
+            for other_side in 0..2 {
+                product.values[side][other_side] = f.values[side][other_side] * g.values[side][other_side];
+            }
+            product.by_i[side] = f.by_i[side].mul_add(g.values[1][side], f.values[0][side] * g.by_i[side]);
+            product.by_j[side] = f.by_j[side].mul_add(g.values[side][1], f.values[side][0] * g.by_j[side]);
         }
+        let across = f.by_j[0].mul_add(g.by_i[1], f.by_i[0] * g.by_j[1]);
+        product.mixed = f.mixed.mul_add(g.values[1][1], f.values[0][0].mul_add(g.mixed, across));
+        product
+    }
+
+    /// The sum of two functions.
+    #[inline(always)]
+    fn plus(&self, other: &Divided<N>) -> Divided<N> {
+        let (f, g) = (self, other);
+        let mut sum = Divided { values: f.values, by_i: f.by_i, by_j: f.by_j, mixed: f.mixed + g.mixed };
+        for side in 0..2 {
+            for other_side in 0..2 {
+                sum.values[side][other_side] = f.values[side][other_side] + g.values[side][other_side];
+            }
+            sum.by_i[side] = f.by_i[side] + g.by_i[side];
+            sum.by_j[side] = f.by_j[side] + g.by_j[side];
+        }
+        sum
+    }
+
+    /// The product of all values at the near side along i, and at the far side.
+    #[inline(always)]
+    fn products(&self) -> [N; 2] {
+        let [near, far] = self.values;
+        [near[0] * near[1], far[0] * far[1]]
     }
 }
 
-/// Position of points along the edges of an axis.
-struct Beside<N> {
-    /// Distances along the axis from the planes through both ends.
-    heights: [N; 2],
-    /// Twice the distance beyond the nearer end; zero beside the edge.
-    overhang: N,
-}
+/// 1 / (r + r') of the distances from two corners at both ends of each edge along an axis, by the
+/// sides along the next two axes.
+type InverseSums<N> = [[N; 2]; 2];
 
-impl<N: Number> Beside<N> {
-    /// Offsets from the low and the high end.
+impl<N: Number> Octant<N> {
+    /// Adds the derivatives of T J for J over 4 pi: xx, yy, zz, yz, xz, xy.
     #[inline(always)]
-    fn new(simd: N::Instructions, [low, high]: [N; 2]) -> Beside<N> {
+    pub fn add_gradient(&self, simd: N::Instructions, j: [f64; 3], sum: &mut [N; COMPONENTS]) {
         let zero = N::splat(simd, 0.0);
-        let (below, above) = (zero - low, zero - high);
-        let beyond = high.where_at_least(0.0, high, below.where_at_least(0.0, below, zero));
-        Beside {
-            heights: [low.where_at_least(0.0, low, below), high.where_at_least(0.0, high, above)],
-            overhang: beyond * 2.0,
+        let inverse_sums = [self.inverse_sums(simd, 0), self.inverse_sums(simd, 1), self.inverse_sums(simd, 2)];
+        let mut derivatives = ThirdDerivatives { twice: [[zero; 3]; 3], mixed: zero, has_mixed: false };
+        // No loop, so that all indices of vectors are constants.
+        derivatives.add::<0>(simd, self, &inverse_sums, j);
+        derivatives.add::<1>(simd, self, &inverse_sums, j);
+        derivatives.add::<2>(simd, self, &inverse_sums, j);
+        let ThirdDerivatives { twice, mixed, .. } = derivatives;
+        for a in 0..3 {
+            let (b, c) = ((a + 1) % 3, (a + 2) % 3);
+            let own = zero - (twice[b][a] + twice[c][a]);
+            sum[a] = own.scale_add(j[a], twice[a][b].scale_add(j[b], twice[a][c].scale_add(j[c], sum[a])));
+            // The index of a component is its missing axis.
+            let across = twice[b][c].scale_add(j[b], twice[c][b].scale_add(j[c], sum[3 + a]));
+            sum[3 + a] = mixed.scale_add(j[a], across);
         }
     }
 
-    /// S^2 - l^2 of an edge at the distance `rho`, without cancellation.
     #[inline(always)]
-    fn excess(&self, [r_low, r_high]: [N; 2], rho_squared: N, length: f64) -> N {
-        let (a, b) = (r_low + self.heights[0], r_high + self.heights[1]);
-        let product = a * b;
-        let minus = rho_squared.mul_add(a + b, self.overhang * product).over(product);
-        minus * (r_low + r_high - -length)
+    fn inverse_sums(&self, simd: N::Instructions, axis: usize) -> InverseSums<N> {
+        let r = &self.distances;
+        let (own, next, last) = (1 << axis, 1 << ((axis + 1) % 3), 1 << ((axis + 2) % 3));
+        let (a, b) = (r[0] + r[own], r[last] + r[last | own]);
+        let (c, d) = (r[next] + r[next | own], r[next | last] + r[next | last | own]);
+        let (ab, cd) = (a * b, c * d);
+        let inverse = N::splat(simd, 1.0).over(ab * cd);
+        let (over_ab, over_cd) = (inverse * cd, inverse * ab);
+        [[over_ab * b, over_ab * a], [over_cd * d, over_cd * c]]
+    }
+}
+
+/// The third derivatives of the potential that a polarization needs.
+struct ThirdDerivatives<N> {
+    /// 4 pi T_aab by [a][b].
+    twice: [[N; 3]; 3],
+    /// 4 pi T_xyz.
+    mixed: N,
+    has_mixed: bool,
+}
+
+impl<N: Number> ThirdDerivatives<N> {
+    /// Adds the derivatives from the edges along axis `K`, if J needs them.
+    #[inline(always)]
+    fn add<const K: usize>(
+        &mut self,
+        simd: N::Instructions,
+        place: &Octant<N>,
+        inverse_sums: &[InverseSums<N>; 3],
+        j: [f64; 3],
+    ) {
+        let (a, b) = ((K + 1) % 3, (K + 2) % 3);
+        if j[a] == 0.0 && j[b] == 0.0 {
+            return;
+        }
+        let pair = AxisPair::new(place, inverse_sums, K);
+        (self.twice[a][b], self.twice[b][a]) = pair.twice(simd, place, K);
+        if !self.has_mixed {
+            (self.has_mixed, self.mixed) = (true, pair.mixed(simd, place));
+        }
+    }
+}
+
+/// The edges along an axis k and their distances from a point, as functions of the offsets along
+/// the next two axes i and j.
+struct AxisPair<N> {
+    /// S, the sum of the distances from both ends of an edge.
+    sum: Divided<N>,
+    /// P, their product.
+    product: Divided<N>,
+}
+
+impl<N: Number> AxisPair<N> {
+    #[inline(always)]
+    fn new(place: &Octant<N>, inverse_sums: &[InverseSums<N>; 3], k: usize) -> AxisPair<N> {
+        let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+        let (by_i, by_j) = (&inverse_sums[i], &inverse_sums[j]);
+        let near = Self::distance(place, [by_i[0][0], by_i[1][0]], by_j[0], [i, j], 0);
+        let far = Self::distance(place, [by_i[0][1], by_i[1][1]], by_j[1], [i, j], 1 << k);
+        AxisPair { sum: near.plus(&far), product: near.times(&far) }
+    }
+
+    /// The distance from the end of the edges in `corner`.
+    #[inline(always)]
+    fn distance(place: &Octant<N>, by_i: [N; 2], by_j: [N; 2], [i, j]: [usize; 2], corner: usize) -> Divided<N> {
+        let r = &place.distances;
+        let values = [[r[corner], r[corner | 1 << j]], [r[corner | 1 << i], r[corner | 1 << i | 1 << j]]];
+        Divided { values, by_i, by_j, mixed: (by_j[0] * by_j[1]) * (by_i[0] + by_i[1]) * -1.0 }
+    }
+
+    /// Half of Q = S^2 - l^2, which is x^2 + y^2 + z_0 z_1 + P (section 2.9): its value at the near
+    /// edge has no cancellation, and its differences are those of x^2 + y^2 + P.
+    #[inline(always)]
+    fn excess(&self, simd: N::Instructions, place: &Octant<N>, k: usize) -> Divided<N> {
+        let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+        let (zero, one) = (N::splat(simd, 0.0), N::splat(simd, 1.0));
+        let [near, far] = place.faces[k];
+        let beside = near.where_at_least(0.0, near, zero - near);
+        let overhang = near.where_at_least(0.0, near, zero);
+        let (x, y) = (place.faces[i][0], place.faces[j][0]);
+        let (a, b) = (place.distances[0] + beside, place.distances[1 << k] + far);
+        let half_minus = (x.mul_add(x, y * y) * (a + b) * 0.5).over(a * b) + overhang;
+        let least = half_minus * (self.sum.values[0][0] - -place.size[k]);
+        let by_i = [self.product.by_i[0] + one, self.product.by_i[1] + one];
+        let by_j = [self.product.by_j[0] + one, self.product.by_j[1] + one];
+        let (d_i, d_j) = (place.square_step(i), place.square_step(j));
+        let other = d_i.mul_add(by_i[0], least);
+        let values = [[least, d_j.mul_add(by_j[0], least)], [other, d_j.mul_add(by_j[1], other)]];
+        Divided { values, by_i, by_j, mixed: self.product.mixed }
+    }
+
+    /// 4 pi T_iij and 4 pi T_ijj.
+    #[inline(always)]
+    fn twice(&self, simd: N::Instructions, place: &Octant<N>, k: usize) -> (N, N) {
+        let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+        // l S / X is the integral of 1 / r^3 along an edge.
+        let (s, x) = (&self.sum, self.product.times(&self.excess(simd, place, k)));
+        let y_near = s.values[0][0].mul_sub(x.by_j[0], s.by_j[0] * x.values[0][0]);
+        let y_far = s.values[1][0].mul_sub(x.by_j[1], s.by_j[1] * x.values[1][0]);
+        let z_far = s.values[0][1].mul_sub(x.by_i[1], s.by_i[1] * x.values[0][1]);
+        let y_step = s.by_i[0].mul_add(x.by_j[1], s.values[0][0] * x.mixed)
+            - s.mixed.mul_add(x.values[1][0], s.by_j[0] * x.by_i[0]);
+        let [near, far] = x.products();
+        let step = x.by_i[0].mul_add(x.values[1][1], x.values[0][0] * x.by_i[1]);
+        let bend = y_near.mul_sub(step, y_step * near);
+        let volume = place.size[0] * place.size[1] * place.size[2];
+        let common = N::splat(simd, volume).over(near * far);
+        let (step_i, step_j) = (place.steps[i], place.steps[j]);
+        let own = y_far.mul_sub(near, place.faces[i][0] * step_i * bend) * (common * step_j);
+        let other = z_far.mul_sub(x.values[0][0] * x.values[1][0], place.faces[j][0] * step_j * bend);
+        (own * place.signs[j], other * (common * step_i) * place.signs[i])
+    }
+
+    /// 4 pi T_xyz.
+    #[inline(always)]
+    fn mixed(&self, simd: N::Instructions, place: &Octant<N>) -> N {
+        let f = self.sum.times(&self.product);
+        let [near, far] = f.products();
+        let step = f.by_i[0].mul_add(f.values[1][1], f.values[0][0] * f.by_i[1]);
+        let bend = f.mixed.mul_sub(near, f.by_j[0] * step);
+        let volume = place.size[0] * place.size[1] * place.size[2];
+        let steps = (place.steps[0] * place.steps[1]) * place.steps[2];
+        let signs = (place.signs[0] * place.signs[1]) * place.signs[2];
+        N::splat(simd, volume).over(near * far) * (steps * signs * bend)
     }
 }

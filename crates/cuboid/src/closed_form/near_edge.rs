@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 
 use fearless_simd::prelude::*;
 use magsplice_simd::functions::Functions;
-use magsplice_simd::lanes::Lanes;
+use magsplice_simd::lanes::{Lanes, Number};
 use magsplice_simd::power_of_two::power_of_two_reciprocal;
 
 use super::positive::Octant;
@@ -45,6 +45,35 @@ impl Interior {
     /// Whether a point is inside the tile or close to it, and clearly off the planes of all faces.
     pub fn covers(&self, point: &LocalPoint) -> bool {
         greatest_gap(&self.faces, point) <= self.reach && self.is_off_planes(point)
+    }
+
+    /// [`Interior::covers`] at points given by axis in whole vectors, with the bounds of the errors
+    /// of their coordinates: 1 or 0.
+    #[inline(never)]
+    pub fn cover<S: Simd>(&self, simd: S, points: [&[f64]; 3], roundoff: [&[f64]; 3], covered: &mut [f64]) {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                for (number, covered) in covered.chunks_exact_mut(Lanes::<S>::LEN).enumerate() {
+                    let (point, roundoff) = (load(simd, points, number), load(simd, roundoff, number));
+                    self.cover_vector(simd, point, roundoff).store(covered);
+                }
+            },
+        );
+    }
+
+    #[inline(always)]
+    fn cover_vector<S: Simd>(&self, simd: S, point: [Lanes<S>; 3], roundoff: [Lanes<S>; 3]) -> Lanes<S> {
+        let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
+        let mut covered = greatest_gap_of_vector(simd, &self.faces, point).at_most(simd, self.reach);
+        for axis in 0..3 {
+            for face in self.faces[axis] {
+                let offset = ((point[axis] - face.hi) - face.lo).abs();
+                covered = offset.where_more(self.least_offset, covered, zero);
+                covered = covered * (offset - roundoff[axis]).where_more(0.0, one, zero);
+            }
+        }
+        covered
     }
 
     /// Whether a point is clearly off the planes of all faces.
@@ -152,6 +181,26 @@ impl NearEdges {
         self.0.iter().position(|form| form.covers(point))
     }
 
+    /// [`NearEdges::form`] of points given by axis in whole vectors, with the bounds of the errors
+    /// of their coordinates; [`NEAR_FORMS`] where there is no form.
+    #[inline(never)]
+    pub fn forms<S: Simd>(&self, simd: S, points: [&[f64]; 3], roundoff: [&[f64]; 3], forms: &mut [f64]) {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                for (number, forms) in forms.chunks_exact_mut(Lanes::<S>::LEN).enumerate() {
+                    let (point, roundoff) = (load(simd, points, number), load(simd, roundoff, number));
+                    let mut first = Lanes::splat(simd, NEAR_FORMS as f64);
+                    for (index, form) in self.0.iter().enumerate().rev() {
+                        let covered = form.cover_vector(simd, point, roundoff);
+                        first = covered.where_more(0.0, Lanes::splat(simd, index as f64), first);
+                    }
+                    first.store(forms);
+                }
+            },
+        );
+    }
+
     /// B or mu0 H of the tile in tesla, in its frame, at points given by axis in whole vectors.
     pub fn fields<S: Simd>(&self, simd: S, form: usize, points: [&[f64]; 3], fields: [&mut [f64]; 3]) {
         self.0[form].fields(simd, points, fields);
@@ -172,6 +221,18 @@ impl NearEdge {
             NearEdge::Thin(tile) => {
                 let gap = greatest_gap(&tile.faces, point);
                 tile.reach[0] <= gap && gap <= tile.reach[1]
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn cover_vector<S: Simd>(&self, simd: S, point: [Lanes<S>; 3], roundoff: [Lanes<S>; 3]) -> Lanes<S> {
+        match self {
+            NearEdge::Compact(tile) => tile.interior.cover_vector(simd, point, roundoff),
+            NearEdge::Positive(tile) => tile.interior.cover_vector(simd, point, roundoff),
+            NearEdge::Thin(tile) => {
+                let gap = greatest_gap_of_vector(simd, &tile.faces, point);
+                gap.at_least(simd, tile.reach[0]) * gap.at_most(simd, tile.reach[1])
             }
         }
     }
@@ -209,6 +270,23 @@ fn greatest_gap(faces: &[[TwoSum; 2]; 3], point: &LocalPoint) -> f64 {
         (low.hi - at).max(at - high.hi).max(0.0)
     };
     gap(0).max(gap(1)).max(gap(2))
+}
+
+/// [`greatest_gap`] of a vector of points.
+#[inline(always)]
+fn greatest_gap_of_vector<S: Simd>(simd: S, faces: &[[TwoSum; 2]; 3], point: [Lanes<S>; 3]) -> Lanes<S> {
+    let mut gap = Lanes::splat(simd, 0.0);
+    for ([low, high], at) in faces.iter().zip(point) {
+        let below = Lanes::splat(simd, low.hi) - at;
+        gap = gap.max(below).max(at - high.hi);
+    }
+    gap
+}
+
+#[inline(always)]
+fn load<S: Simd>(simd: S, [x, y, z]: [&[f64]; 3], number: usize) -> [Lanes<S>; 3] {
+    let lanes = number * Lanes::<S>::LEN..(number + 1) * Lanes::<S>::LEN;
+    [Lanes::load(simd, &x[lanes.clone()]), Lanes::load(simd, &y[lanes.clone()]), Lanes::load(simd, &z[lanes])]
 }
 
 /// Scaled offsets of points from the low and high faces along each axis, and twice their offsets
@@ -360,23 +438,32 @@ fn half_of_edges<N: Functions>(
 }
 
 /// Solid angle of the lower face across an axis minus the solid angle of the upper face, each
-/// positive for points above it: sums of arctangents of y z / (x R), two of which form one angle.
+/// positive for points above it: the angle of a product of complex numbers, x R + i y z at two
+/// corners and their conjugates at the other two.
 #[inline(always)]
 fn angles_of_faces<N: Functions>(simd: N::Instructions, offsets: &[[N; 2]; 3], distances: &[N; 8], axis: usize) -> N {
     let axes = [axis, (axis + 1) % 3, (axis + 2) % 3];
     let [_, j, k] = axes;
-    let zero = N::splat(simd, 0.0);
+    let (zero, turn) = (N::splat(simd, 0.0), N::splat(simd, 2.0 * PI));
+    // The angle exceeds half a turn only where the point is above or below the face.
+    let (across_j, across_k) = (offsets[j][0] * offsets[j][1], offsets[k][0] * offsets[k][1]);
+    let beyond = across_j.where_at_least(0.0, zero, across_k.where_at_least(0.0, zero, turn));
     let mut faces = [zero; 2];
     for (side, face) in faces.iter_mut().enumerate() {
         let x = offsets[axis][side];
         let height = absolute(simd, x);
-        for bj in 0..2 {
-            let y = x.where_at_least(0.0, offsets[j][bj], zero - offsets[j][bj]);
+        let mut pairs = [[zero; 2]; 2];
+        for (bj, pair) in pairs.iter_mut().enumerate() {
+            let y = offsets[j][bj];
             let (re, re_2) = (height * at(distances, axes, [side, bj, 0]), height * at(distances, axes, [side, bj, 1]));
             let (im, im_2) = (y * offsets[k][0], y * offsets[k][1]);
-            let pair = N::angle(simd, re.mul_add(re_2, im * im_2), im.mul_sub(re_2, re * im_2)).divided(simd);
-            *face = if bj == 0 { pair } else { *face - pair };
+            *pair = [re.mul_add(re_2, im * im_2), im.mul_sub(re_2, re * im_2)];
         }
+        let [[re, im], [re_2, im_2]] = pairs;
+        let im_of_product = im.mul_sub(re_2, re * im_2);
+        let angle = N::angle(simd, re.mul_add(re_2, im * im_2), im_of_product).divided(simd);
+        let angle = angle + im_of_product.where_at_least(0.0, zero, beyond);
+        *face = x.where_at_least(0.0, angle, zero - angle);
     }
     faces[0] - faces[1]
 }

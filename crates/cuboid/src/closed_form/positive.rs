@@ -3,8 +3,8 @@
 //!
 //! No digit is lost inside a cuboid of any shape or close to it. The logarithms lose none anywhere.
 
-use magsplice_simd::differentiated::Differentiated;
-use magsplice_simd::functions::{Functions, LARGEST_TANGENT, logarithm_of_tangent_or_ratio};
+use super::elements::CornerGeometry;
+use magsplice_simd::functions::{Functions, logarithm_of_tangent_or_ratio};
 use magsplice_simd::lanes::Number;
 
 /// Position of points relative to a cuboid, mirrored into the octant beyond its centre.
@@ -44,9 +44,39 @@ impl<N: Number> Octant<N> {
         place
     }
 
+    /// Mirrors points outside a cuboid with these offsets from its planes and distances from its
+    /// corners.
+    #[inline(always)]
+    pub fn from_corners(simd: N::Instructions, from: &CornerGeometry<N>, size: [f64; 3]) -> Octant<N> {
+        let (zero, one) = (N::splat(simd, 0.0), N::splat(simd, 1.0));
+        let r = from.distances;
+        let mut place = Octant {
+            faces: [[zero; 2]; 3],
+            steps: [zero; 3],
+            signs: [one; 3],
+            // The bits of axes increase here and decrease there.
+            distances: [r[0], r[4], r[2], r[6], r[1], r[5], r[3], r[7]],
+            size,
+        };
+        for axis in 0..3 {
+            let [[low, _], [high, _]] = from.planes[axis];
+            let step = low + high;
+            place.faces[axis] =
+                [step.where_at_least(0.0, high, zero - low), step.where_at_least(0.0, low, zero - high)];
+            place.steps[axis] = step.where_at_least(0.0, step, zero - step);
+            place.signs[axis] = step.where_at_least(0.0, one, zero - one);
+            for corner in (0..8).filter(|corner| corner & 1 << axis == 0) {
+                let (low, high) = (place.distances[corner], place.distances[corner | 1 << axis]);
+                place.distances[corner] = step.where_at_least(0.0, high, low);
+                place.distances[corner | 1 << axis] = step.where_at_least(0.0, low, high);
+            }
+        }
+        place
+    }
+
     /// far^2 - near^2.
     #[inline(always)]
-    fn square_step(&self, axis: usize) -> N {
+    pub(super) fn square_step(&self, axis: usize) -> N {
         self.steps[axis] * self.size[axis]
     }
 
@@ -128,69 +158,5 @@ impl<N: Functions> Octant<N> {
             }
         }
         sum
-    }
-}
-
-impl<N: Number> Octant<Differentiated<N>> {
-    /// The same with derivatives by the point.
-    #[inline(always)]
-    pub fn differentiated(simd: N::Instructions, offsets: [[N; 2]; 3], steps: [N; 3], size: [f64; 3]) -> Self {
-        let zero = Differentiated::splat(simd, 0.0);
-        let (mut planes, mut twice) = ([[zero; 2]; 3], [zero; 3]);
-        for axis in 0..3 {
-            for side in 0..2 {
-                planes[axis][side] = Differentiated::coordinate(simd, offsets[axis][side], axis);
-            }
-            twice[axis] = Differentiated::coordinate(simd, steps[axis], axis);
-            twice[axis].slope[axis] = N::splat(simd, 2.0);
-        }
-        Octant::new(simd, planes, twice, size)
-    }
-
-    /// The derivatives of 2 pi T_ij.
-    #[inline(always)]
-    fn slopes(&self, simd: N::Instructions, [i, j, k]: [usize; 3]) -> [N; 3] {
-        let [[n, m], [above, below]] = self.edges(simd, [i, j, k]);
-        // The derivative of the artanh of n / m, or of half the logarithm of above / below.
-        let excess = n.value - m.value * LARGEST_TANGENT;
-        let p = excess.where_at_least(0.0, above.value, n.value);
-        let q = excess.where_at_least(0.0, below.value, m.value);
-        let divisor = excess.where_at_least(0.0, p * q * 2.0, (q - p) * (q + p));
-        let rate = (self.signs[i].value * self.signs[j].value).over(divisor);
-        let mut slopes = [rate; 3];
-        for (axis, slope) in slopes.iter_mut().enumerate() {
-            let p_slope = excess.where_at_least(0.0, above.slope[axis], n.slope[axis]);
-            let q_slope = excess.where_at_least(0.0, below.slope[axis], m.slope[axis]);
-            *slope = rate * p_slope.mul_sub(q, p * q_slope);
-        }
-        slopes
-    }
-
-    /// Adds the derivatives of T J for J over 2 pi (Eq. P16): xx, yy, zz, yz, xz, xy.
-    #[inline(always)]
-    pub fn add_gradient(&self, simd: N::Instructions, j: [f64; 3], sum: &mut [N; 6]) {
-        let zero = N::splat(simd, 0.0);
-        // T_aab by [a][b], and T_xyz.
-        let (mut twice, mut mixed) = ([[zero; 3]; 3], zero);
-        let mut mixed_from = f64::INFINITY;
-        for edges in 0..3 {
-            let (a, b) = ((edges + 1) % 3, (edges + 2) % 3);
-            if j[a] != 0.0 || j[b] != 0.0 {
-                let slopes = self.slopes(simd, [a, b, edges]);
-                (twice[a][b], twice[b][a]) = (slopes[a], slopes[b]);
-                // The slope along a long edge is the small difference of its ends.
-                if self.size[edges] <= mixed_from {
-                    (mixed_from, mixed) = (self.size[edges], slopes[edges]);
-                }
-            }
-        }
-        for a in 0..3 {
-            let (b, c) = ((a + 1) % 3, (a + 2) % 3);
-            let own = zero - (twice[b][a] + twice[c][a]);
-            sum[a] = own.scale_add(j[a], twice[a][b].scale_add(j[b], twice[a][c].scale_add(j[c], sum[a])));
-            // The index of a component is its missing axis.
-            let across = twice[b][c].scale_add(j[b], twice[c][b].scale_add(j[c], sum[3 + a]));
-            sum[3 + a] = mixed.scale_add(j[a], across);
-        }
     }
 }

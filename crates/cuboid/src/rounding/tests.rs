@@ -9,15 +9,14 @@ use magsplice_simd::functions::Functions;
 
 use super::{Rounded, forget_operations};
 use crate::block::{Block, LocalPoint};
-use crate::closed_form::gradient::{COMPONENTS, GradientTerms};
 use crate::closed_form::near_edge::{Interior, NearEdge, NearEdges};
 use crate::closed_form::single_tile::ClosedForm;
 use crate::closed_form::terms::Form;
-use crate::gradient_evaluator::PositiveTerms;
+use crate::gradient_evaluator::GradientEvaluator;
 use crate::method::{Method, MethodRanges};
 use crate::scalar::kernel::{FieldKind, cuboid_field, cuboid_gradient};
-use crate::series::coefficients::Series;
-use crate::series::multipole::{Distant, TruncatedSeries};
+use crate::series::coefficients::{GradientSeries, Series};
+use crate::series::multipole::{Distant, TruncatedGradient, TruncatedSeries};
 use crate::shape::Shape;
 use crate::tolerances::{EXACT_BOUND, GRADIENT_BOUND};
 
@@ -106,7 +105,7 @@ fn field_error<S: Simd>(simd: S, case: &Case) -> Option<(Path, f64)> {
         Some(Method::Series { order }) => {
             let (tile, series) = (Distant::new(&block, ranges.scale), Series::new(block.size, order));
             let series = TruncatedSeries { tile: &tile, series: &series, order };
-            (Path::Series, series.differentiated(simd, point).map(|component| component.value))
+            (Path::Series, series.field(simd, point))
         }
         Some(_) if form == Form::Rod => {
             let mut sum = closed_form.field_sum(simd);
@@ -140,33 +139,25 @@ fn gradient_error<S: Simd>(simd: S, case: &Case) -> Option<(Path, f64)> {
     let coordinates = case.point.to_array();
     let method = ranges.method_of_box(coordinates, coordinates, false).map(|index| ranges.method(index));
     let point = coordinates.map(Rounded::<S>::exact);
-    let closed_form = ClosedForm::new(&block, ranges.scale, form);
-    let terms = GradientTerms::from_block(&block, ranges.scale, form);
-    let mut sum = [Rounded::<S>::exact(0.0); COMPONENTS];
-    let path = match method {
-        None if Interior::new(&block).within(terms.near_reach() / ranges.scale).covers(&at) => {
-            let steps = closed_form.twice_from_centre(simd, point);
-            terms.add(simd, &closed_form.place(simd, point), Some(&steps), &mut sum);
-            Path::NearCompact
-        }
-        Some(Method::ClosedForm | Method::SmallElements) if terms.has_closed_form() => {
-            terms.add(simd, &closed_form.place(simd, point), None, &mut sum);
-            if form == Form::Rod { Path::Rod } else { Path::ClosedForm }
-        }
+    let (path, components) = match method {
         Some(Method::Series { order }) => {
             let order = (order + 1).min(ranges.highest_order());
-            let (tile, series) = (Distant::new(&block, ranges.scale), Series::new(block.size, order));
-            let [x, y, z] = TruncatedSeries { tile: &tile, series: &series, order }.differentiated(simd, point);
-            sum = [x.slope[0], y.slope[1], z.slope[2], y.slope[2], x.slope[2], x.slope[1]];
-            Path::Series
+            let (tile, series) = (Distant::new(&block, ranges.scale), GradientSeries::new(block.size, order));
+            (Path::Series, TruncatedGradient { tile: &tile, series: &series, order }.gradient(simd, point))
         }
-        _ if Interior::new(&block).is_off_planes(&at) => {
-            PositiveTerms::new(&block, ranges.scale).add(simd, point, &mut sum);
-            Path::NearPositive
+        None if !Interior::new(&block).is_off_planes(&at) => return None,
+        method => {
+            let path = if method.is_none() {
+                Path::NearPositive
+            } else if form == Form::Rod {
+                Path::Rod
+            } else {
+                Path::ClosedForm
+            };
+            (path, GradientEvaluator::new(&block, &ranges).gradient(simd, point))
         }
-        _ => return None,
     };
-    Some((path, sum.into_iter().map(Rounded::error).fold(0.0, f64::max) / magnitude))
+    Some((path, components.into_iter().map(Rounded::error).fold(0.0, f64::max) / magnitude))
 }
 
 /// Numbers between 0 and 1 that fill the unit cube evenly.
@@ -214,7 +205,8 @@ fn largest_errors(error: impl Fn(&Case) -> Option<(Path, f64)>) -> Vec<(Path, f6
     worst
 }
 
-fn check(errors: &[(Path, f64, Case)], bound: f64) {
+/// `share` of the bound must be reached.
+fn check(errors: &[(Path, f64, Case)], bound: f64, share: f64) {
     for (path, error, case) in errors {
         println!("{path:?}: {error:e} at {case:?}");
     }
@@ -222,21 +214,22 @@ fn check(errors: &[(Path, f64, Case)], bound: f64) {
         assert!(*error <= bound, "{path:?}: {error:e} at {case:?}");
     }
     let largest = errors.iter().map(|(_, error, _)| *error).fold(0.0, f64::max);
-    assert!(largest > 0.3 * bound, "the bound is {} times too large", bound / largest);
+    assert!(largest > share * bound, "the bound is {} times too large", bound / largest);
 }
 
 #[test]
 fn rounding_of_the_field_is_within_the_exact_bound() {
     let errors = dispatch!(Level::baseline(), simd => largest_errors(|case| field_error(simd, case)));
     assert_eq!(errors.len(), 8);
-    check(&errors, EXACT_BOUND);
+    check(&errors, EXACT_BOUND, 0.3);
 }
 
 #[test]
 fn rounding_of_the_gradient_is_within_its_bound() {
     let errors = dispatch!(Level::baseline(), simd => largest_errors(|case| gradient_error(simd, case)));
-    assert_eq!(errors.len(), 5);
-    check(&errors, GRADIENT_BOUND);
+    assert_eq!(errors.len(), 4);
+    // The bound leaves room for the truncation of expansions.
+    check(&errors, GRADIENT_BOUND, 0.2);
 }
 
 /// The carried errors bound the rounding of the values.

@@ -2,13 +2,15 @@
 
 use std::sync::LazyLock;
 
-use magsplice_simd::differentiated::Differentiated;
 use magsplice_simd::lanes::Number;
 
 use crate::tolerances::HIGHEST_ORDER;
 
 /// A_x, A_y, P_xy, P_xz and P_yz (Eq. P39).
 pub const POLYNOMIALS: usize = 5;
+
+/// B_xxy, B_xxz, B_yyx, B_yyz, B_zzx, B_zzy and P_xyz (Eq. P75).
+pub const GRADIENT_POLYNOMIALS: usize = 7;
 
 /// The multipole series of one shape: polynomials in sigma = (half diagonal / r)^2, whose
 /// coefficients are polynomials in u - 1/3 and v - 1/3, u = x^2/r^2 and v = y^2/r^2.
@@ -36,115 +38,110 @@ const fn place(order: usize, a: usize, b: usize) -> usize {
 impl Series {
     /// The series of a cuboid with these side lengths, up to order `highest`.
     pub fn new(size: [f64; 3], highest: usize) -> Series {
-        let largest = size.iter().copied().fold(0.0, f64::max);
-        let squares = size.map(|s| (s / largest) * (s / largest));
-        let total: f64 = squares.iter().sum();
-        let share = squares.map(|s| s / total);
-        let mut series = Series { coefficients: [[0.0; start(HIGHEST_ORDER + 1)]; POLYNOMIALS] };
-        for (order, moments) in MOMENTS.iter().enumerate().take(highest + 1) {
-            for moment in &**moments {
-                let weight: f64 = (0..3).map(|axis| share[axis].powi(moment.powers[axis] as i32)).product();
-                for (sums, coefficients) in series.coefficients.iter_mut().zip(&moment.coefficients) {
-                    for (sum, coefficient) in sums[start(order)..].iter_mut().zip(coefficients) {
-                        *sum += weight * coefficient;
-                    }
-                }
-            }
-        }
-        series
+        Series { coefficients: coefficients_of_shape(size, highest, &MOMENTS) }
     }
 
-    /// The polynomials at sigma, u - 1/3 and v - 1/3, without orders above `HIGHEST`.
+    /// The polynomials at sigma, u - 1/3 and v - 1/3, without orders above `highest`, which is at
+    /// least 3.
     #[inline(always)]
-    pub fn polynomials<const HIGHEST: usize, N: Number>(
-        &self,
-        simd: N::Instructions,
-        [sigma, u, v]: [N; 3],
-    ) -> [N; POLYNOMIALS] {
-        let mut polynomials = [N::splat(simd, 0.0); POLYNOMIALS];
-        // One polynomial after the other, because the partial sums of all exceed the registers.
-        for (polynomial, coefficients) in polynomials.iter_mut().zip(&self.coefficients) {
-            let mut sum = order::<HIGHEST, N>(simd, coefficients, u, v);
-            if HIGHEST > 7 {
-                sum = sum.mul_add(sigma, order::<7, N>(simd, coefficients, u, v));
-            }
-            if HIGHEST > 6 {
-                sum = sum.mul_add(sigma, order::<6, N>(simd, coefficients, u, v));
-            }
-            if HIGHEST > 5 {
-                sum = sum.mul_add(sigma, order::<5, N>(simd, coefficients, u, v));
-            }
-            if HIGHEST > 4 {
-                sum = sum.mul_add(sigma, order::<4, N>(simd, coefficients, u, v));
-            }
-            if HIGHEST > 3 {
-                sum = sum.mul_add(sigma, order::<3, N>(simd, coefficients, u, v));
-            }
-            sum = sum.mul_add(sigma, order::<2, N>(simd, coefficients, u, v));
-            sum = sum.mul_add(sigma, order::<1, N>(simd, coefficients, u, v));
-            *polynomial = sum.mul_add(sigma, order::<0, N>(simd, coefficients, u, v));
+    pub fn polynomials<N: Number>(&self, simd: N::Instructions, highest: usize, at: [N; 3]) -> [N; POLYNOMIALS] {
+        match highest {
+            0..=3 => polynomials::<3, POLYNOMIALS, N>(simd, &self.coefficients, at),
+            4 => polynomials::<4, POLYNOMIALS, N>(simd, &self.coefficients, at),
+            5 => polynomials::<5, POLYNOMIALS, N>(simd, &self.coefficients, at),
+            6 => polynomials::<6, POLYNOMIALS, N>(simd, &self.coefficients, at),
+            _ => polynomials::<HIGHEST_ORDER, POLYNOMIALS, N>(simd, &self.coefficients, at),
         }
-        polynomials
     }
 }
 
-impl Series {
-    /// The polynomials and their derivatives at sigma, u - 1/3 and v - 1/3, up to order `highest`.
+/// The multipole series of the gradient of one shape, in the form of [`Series`].
+#[derive(Clone, Debug)]
+pub struct GradientSeries {
+    coefficients: [[f64; start(HIGHEST_ORDER + 1)]; GRADIENT_POLYNOMIALS],
+}
+
+impl GradientSeries {
+    /// The series of a cuboid with these side lengths, up to order `highest`.
+    pub fn new(size: [f64; 3], highest: usize) -> GradientSeries {
+        GradientSeries { coefficients: coefficients_of_shape(size, highest, &GRADIENT_MOMENTS) }
+    }
+
+    /// The polynomials at sigma, u - 1/3 and v - 1/3, without orders above `highest`, which is at
+    /// least 4.
     #[inline(always)]
-    pub fn differentiated_polynomials<N: Number>(
+    pub fn polynomials<N: Number>(
         &self,
         simd: N::Instructions,
         highest: usize,
-        [sigma, u, v]: [Differentiated<N>; 3],
-    ) -> [Differentiated<N>; POLYNOMIALS] {
-        let mut polynomials = [Differentiated::splat(simd, 0.0); POLYNOMIALS];
-        for (polynomial, coefficients) in polynomials.iter_mut().zip(&self.coefficients) {
-            let zero = N::splat(simd, 0.0);
-            let (mut sum, mut by_sigma, mut by_u, mut by_v) = (zero, zero, zero, zero);
-            for order in (0..=highest).rev() {
-                let (own, own_by_u, own_by_v) = differentiated_order(simd, order, coefficients, u.value, v.value);
-                by_sigma = by_sigma.mul_add(sigma.value, sum);
-                sum = sum.mul_add(sigma.value, own);
-                by_u = by_u.mul_add(sigma.value, own_by_u);
-                by_v = by_v.mul_add(sigma.value, own_by_v);
-            }
-            polynomial.value = sum;
-            for (axis, slope) in polynomial.slope.iter_mut().enumerate() {
-                let by_place = by_u.mul_add(u.slope[axis], by_v * v.slope[axis]);
-                *slope = by_sigma.mul_add(sigma.slope[axis], by_place);
-            }
+        at: [N; 3],
+    ) -> [N; GRADIENT_POLYNOMIALS] {
+        match highest {
+            0..=4 => polynomials::<4, GRADIENT_POLYNOMIALS, N>(simd, &self.coefficients, at),
+            5 => polynomials::<5, GRADIENT_POLYNOMIALS, N>(simd, &self.coefficients, at),
+            6 => polynomials::<6, GRADIENT_POLYNOMIALS, N>(simd, &self.coefficients, at),
+            7 => polynomials::<7, GRADIENT_POLYNOMIALS, N>(simd, &self.coefficients, at),
+            _ => polynomials::<HIGHEST_ORDER, GRADIENT_POLYNOMIALS, N>(simd, &self.coefficients, at),
         }
-        polynomials
     }
 }
 
-/// One order of a polynomial and its derivatives by u and v.
-///
-/// The loops are not unrolled, because the code of all orders would be as long as the rest of the
-/// library.
-#[inline(always)]
-fn differentiated_order<N: Number>(
-    simd: N::Instructions,
-    order: usize,
-    coefficients: &[f64; start(HIGHEST_ORDER + 1)],
-    u: N,
-    v: N,
-) -> (N, N, N) {
-    let coefficients = &coefficients[start(order)..start(order + 1)];
-    let zero = N::splat(simd, 0.0);
-    let (mut sum, mut by_u, mut by_v) = (N::splat(simd, coefficients[0]), zero, zero);
-    for row in 1..=order {
-        let first = row * (row + 1) / 2;
-        let (mut own, mut own_by_u) = (N::splat(simd, coefficients[first]), zero);
-        for coefficient in &coefficients[first + 1..=first + row] {
-            own_by_u = own_by_u.mul_add(u, own);
-            own = own.mul_add(u, N::splat(simd, *coefficient));
+/// The coefficients of a cuboid with these side lengths, up to order `highest`.
+fn coefficients_of_shape<const COUNT: usize>(
+    size: [f64; 3],
+    highest: usize,
+    moments: &[LazyLock<Vec<Moment<COUNT>>>],
+) -> [[f64; start(HIGHEST_ORDER + 1)]; COUNT] {
+    let largest = size.iter().copied().fold(0.0, f64::max);
+    let squares = size.map(|s| (s / largest) * (s / largest));
+    let total: f64 = squares.iter().sum();
+    let share = squares.map(|s| s / total);
+    let mut series = [[0.0; start(HIGHEST_ORDER + 1)]; COUNT];
+    for (order, moments) in moments.iter().enumerate().take(highest + 1) {
+        for moment in &**moments {
+            let weight: f64 = (0..3).map(|axis| share[axis].powi(moment.powers[axis] as i32)).product();
+            for (sums, coefficients) in series.iter_mut().zip(&moment.coefficients) {
+                for (sum, coefficient) in sums[start(order)..].iter_mut().zip(coefficients) {
+                    *sum += weight * coefficient;
+                }
+            }
         }
-        by_v = by_v.mul_add(v, sum);
-        by_u = by_u.mul_add(v, own_by_u);
-        sum = sum.mul_add(v, own);
     }
-    (sum, by_u, by_v)
+    series
+}
+
+/// Polynomials with these coefficients at sigma, u - 1/3 and v - 1/3, without orders above
+/// `HIGHEST`.
+#[inline(always)]
+fn polynomials<const HIGHEST: usize, const COUNT: usize, N: Number>(
+    simd: N::Instructions,
+    coefficients: &[[f64; start(HIGHEST_ORDER + 1)]; COUNT],
+    [sigma, u, v]: [N; 3],
+) -> [N; COUNT] {
+    let mut polynomials = [N::splat(simd, 0.0); COUNT];
+    // One polynomial after the other, because the partial sums of all exceed the registers.
+    for (polynomial, coefficients) in polynomials.iter_mut().zip(coefficients) {
+        let mut sum = order::<HIGHEST, N>(simd, coefficients, u, v);
+        if HIGHEST > 7 {
+            sum = sum.mul_add(sigma, order::<7, N>(simd, coefficients, u, v));
+        }
+        if HIGHEST > 6 {
+            sum = sum.mul_add(sigma, order::<6, N>(simd, coefficients, u, v));
+        }
+        if HIGHEST > 5 {
+            sum = sum.mul_add(sigma, order::<5, N>(simd, coefficients, u, v));
+        }
+        if HIGHEST > 4 {
+            sum = sum.mul_add(sigma, order::<4, N>(simd, coefficients, u, v));
+        }
+        if HIGHEST > 3 {
+            sum = sum.mul_add(sigma, order::<3, N>(simd, coefficients, u, v));
+        }
+        sum = sum.mul_add(sigma, order::<2, N>(simd, coefficients, u, v));
+        sum = sum.mul_add(sigma, order::<1, N>(simd, coefficients, u, v));
+        *polynomial = sum.mul_add(sigma, order::<0, N>(simd, coefficients, u, v));
+    }
+    polynomials
 }
 
 /// One order of a polynomial, by Horner's scheme in v of Horner's scheme in u.
@@ -174,59 +171,53 @@ fn order<const ORDER: usize, N: Number>(
 }
 
 /// One moment <x^2a y^2b z^2c>, and the polynomials of the derivatives of 1/r that multiply it.
-struct Moment {
+struct Moment<const COUNT: usize> {
     powers: [usize; 3],
     /// Coefficients of each polynomial in the order of [`place`].
-    coefficients: [Vec<f64>; POLYNOMIALS],
+    coefficients: [Vec<f64>; COUNT],
 }
 
 /// Moments by order a + b + c. High orders are rarely needed.
-static MOMENTS: [LazyLock<Vec<Moment>>; HIGHEST_ORDER + 1] = [
-    LazyLock::new(|| moments(0)),
-    LazyLock::new(|| moments(1)),
-    LazyLock::new(|| moments(2)),
-    LazyLock::new(|| moments(3)),
-    LazyLock::new(|| moments(4)),
-    LazyLock::new(|| moments(5)),
-    LazyLock::new(|| moments(6)),
-    LazyLock::new(|| moments(7)),
-    LazyLock::new(|| moments(8)),
+static MOMENTS: [LazyLock<Vec<Moment<POLYNOMIALS>>>; HIGHEST_ORDER + 1] = [
+    LazyLock::new(|| moments(0, field_polynomials)),
+    LazyLock::new(|| moments(1, field_polynomials)),
+    LazyLock::new(|| moments(2, field_polynomials)),
+    LazyLock::new(|| moments(3, field_polynomials)),
+    LazyLock::new(|| moments(4, field_polynomials)),
+    LazyLock::new(|| moments(5, field_polynomials)),
+    LazyLock::new(|| moments(6, field_polynomials)),
+    LazyLock::new(|| moments(7, field_polynomials)),
+    LazyLock::new(|| moments(8, field_polynomials)),
 ];
 
-fn moments(order: usize) -> Vec<Moment> {
+/// [`MOMENTS`] of the gradient.
+static GRADIENT_MOMENTS: [LazyLock<Vec<Moment<GRADIENT_POLYNOMIALS>>>; HIGHEST_ORDER + 1] = [
+    LazyLock::new(|| moments(0, gradient_polynomials)),
+    LazyLock::new(|| moments(1, gradient_polynomials)),
+    LazyLock::new(|| moments(2, gradient_polynomials)),
+    LazyLock::new(|| moments(3, gradient_polynomials)),
+    LazyLock::new(|| moments(4, gradient_polynomials)),
+    LazyLock::new(|| moments(5, gradient_polynomials)),
+    LazyLock::new(|| moments(6, gradient_polynomials)),
+    LazyLock::new(|| moments(7, gradient_polynomials)),
+    LazyLock::new(|| moments(8, gradient_polynomials)),
+];
+
+fn moments<const COUNT: usize>(
+    order: usize,
+    polynomials: fn(usize, [usize; 3]) -> [Polynomial; COUNT],
+) -> Vec<Moment<COUNT>> {
     let pairs = (0..=order).flat_map(|a| (0..=order - a).map(move |b| [a, b, order - a - b]));
-    pairs.map(Moment::of).collect()
+    pairs.map(|powers| Moment::new(order, powers, polynomials(order, powers))).collect()
 }
 
-impl Moment {
-    fn of(powers: [usize; 3]) -> Moment {
-        let order: usize = powers.iter().sum();
+impl<const COUNT: usize> Moment<COUNT> {
+    fn new(order: usize, powers: [usize; 3], polynomials: [Polynomial; COUNT]) -> Moment<COUNT> {
         // The moment of a cuboid, by derivatives: half side^(2a) / (2a + 1)!
         let over: f64 = powers.iter().map(|&a| factorial(2 * a + 1)).product();
-        let element = |i: usize, j: usize| {
-            let mut derivative = powers.map(|power| 2 * power);
-            derivative[i] += 1;
-            derivative[j] += 1;
-            derivative_of_reciprocal_distance(derivative)
-        };
-        let [xx, yy, xy, xz, yz] = [(0, 0), (1, 1), (0, 1), (0, 2), (1, 2)].map(|(i, j)| element(i, j));
-        // Eq. P39; w = 1 - u - v
-        let mut polynomials = [xx, yy, xy, xz, yz];
-        for b in 0..=order {
-            for a in 0..=order - b {
-                let at = |element: usize| polynomials[element].0[a][b];
-                let (xy, xz, yz) = (at(2), at(3), at(4));
-                let [ax, ay, ..] = &mut polynomials;
-                for (sum, u, v, w) in [(ax, 0.0, xy, xz), (ay, xy, 0.0, yz)] {
-                    sum.0[a][b] += w - xy;
-                    sum.0[a + 1][b] += u - w;
-                    sum.0[a][b + 1] += v - w;
-                }
-            }
-        }
         let coefficients = polynomials.map(|polynomial| {
             let mut coefficients = vec![0.0; (order + 1) * (order + 2) / 2];
-            // The coefficients of degree order + 1 are zero now.
+            // The coefficients of degree order + 1 are zero.
             let about_middle = polynomial.about_middle(order);
             for b in 0..=order {
                 for a in 0..=order - b {
@@ -237,6 +228,57 @@ impl Moment {
         });
         Moment { powers, coefficients }
     }
+}
+
+/// The derivative of 1/r along these axes and twice along each axis for each of its powers.
+fn derivative<const AXES: usize>(powers: [usize; 3], axes: [usize; AXES]) -> Polynomial {
+    let mut derivative = powers.map(|power| 2 * power);
+    axes.into_iter().for_each(|axis| derivative[axis] += 1);
+    derivative_of_reciprocal_distance(derivative)
+}
+
+/// The polynomials of the field, of degree `order`.
+fn field_polynomials(order: usize, powers: [usize; 3]) -> [Polynomial; POLYNOMIALS] {
+    // Eq. P39; w = 1 - u - v
+    let mut polynomials = [[0, 0], [1, 1], [0, 1], [0, 2], [1, 2]].map(|axes| derivative(powers, axes));
+    for b in 0..=order {
+        for a in 0..=order - b {
+            let at = |element: usize| polynomials[element].0[a][b];
+            let (xy, xz, yz) = (at(2), at(3), at(4));
+            let [ax, ay, ..] = &mut polynomials;
+            for (sum, u, v, w) in [(ax, 0.0, xy, xz), (ay, xy, 0.0, yz)] {
+                sum.0[a][b] += w - xy;
+                sum.0[a + 1][b] += u - w;
+                sum.0[a][b + 1] += v - w;
+            }
+        }
+    }
+    polynomials
+}
+
+/// The polynomials of the gradient, of degree `order`.
+fn gradient_polynomials(order: usize, powers: [usize; 3]) -> [Polynomial; GRADIENT_POLYNOMIALS] {
+    // Eq. P75; w = 1 - u - v
+    let axes = [[0, 0, 1], [0, 0, 2], [1, 1, 0], [1, 1, 2], [2, 2, 0], [2, 2, 1], [0, 1, 2]];
+    let mut polynomials = axes.map(|axes| derivative(powers, axes));
+    let [twice @ .., mixed] = &mut polynomials;
+    for (polynomial, [own, ..]) in twice.iter_mut().zip(axes) {
+        for b in 0..=order {
+            for a in 0..=order - b {
+                let xyz = mixed.0[a][b];
+                match own {
+                    0 => polynomial.0[a + 1][b] -= xyz,
+                    1 => polynomial.0[a][b + 1] -= xyz,
+                    _ => {
+                        polynomial.0[a][b] -= xyz;
+                        polynomial.0[a + 1][b] += xyz;
+                        polynomial.0[a][b + 1] += xyz;
+                    }
+                }
+            }
+        }
+    }
+    polynomials
 }
 
 /// Coefficients of u^a v^b.

@@ -10,7 +10,7 @@ use magsplice_cuboid::block::Block;
 use magsplice_cuboid::closed_form::terms::Form;
 use magsplice_cuboid::evaluator::Evaluator;
 use magsplice_cuboid::method::MethodRanges;
-use magsplice_cuboid::series::coefficients::Series;
+use magsplice_cuboid::series::coefficients::{GradientSeries, Series};
 use magsplice_cuboid::series::multipole::Distant;
 use magsplice_cuboid::shape::Shape;
 use magsplice_expansion::moments::Moments;
@@ -33,6 +33,8 @@ pub struct ClusterTable {
     /// Each block as a single tile.
     pub tiles: Vec<PreparedTile>,
     series: Vec<Series>,
+    /// Built when first needed, like the series of the field for each shape.
+    gradient_series: Vec<OnceLock<GradientSeries>>,
 }
 
 /// Precomputed data of a single tile.
@@ -147,6 +149,7 @@ impl ClusterTable {
                 table.tiles.iter().map(|tile| (tile.shape, tile.ranges.highest_order())).collect();
             let series = |(size, shape): ([u64; 3], u32)| Series::new(size.map(f64::from_bits), orders[&shape]);
             table.series = shapes.into_iter().map(series).collect();
+            table.gradient_series = table.series.iter().map(|_| OnceLock::new()).collect();
         }
         table
     }
@@ -161,6 +164,21 @@ impl ClusterTable {
         let tile = &self.tiles[index];
         let kept = self.series.get(tile.shape as usize);
         kept.unwrap_or_else(|| made.insert(Series::new(blocks[index].size, tile.ranges.highest_order())))
+    }
+
+    /// [`ClusterTable::series`] of the gradient.
+    pub fn gradient_series<'a>(
+        &'a self,
+        blocks: &[Block],
+        index: usize,
+        made: &'a mut Option<GradientSeries>,
+    ) -> &'a GradientSeries {
+        let tile = &self.tiles[index];
+        let of_shape = || GradientSeries::new(blocks[index].size, tile.ranges.highest_order());
+        match self.gradient_series.get(tile.shape as usize) {
+            Some(kept) => kept.get_or_init(of_shape),
+            None => made.insert(of_shape()),
+        }
     }
 
     /// The evaluator of block `index` as a single tile. A series that is not kept is computed into

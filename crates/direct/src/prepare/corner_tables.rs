@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use magsplice_cuboid::block::Block;
-use magsplice_cuboid::closed_form::gradient::{GradientTerms, has_gradient};
+use magsplice_cuboid::closed_form::gradient::GradientTerms;
 use magsplice_cuboid::closed_form::terms::{AA, BB, CC, Form, Group, Terms};
 use magsplice_simd::compensated_sum::TwoSum;
 use rustc_hash::FxHashMap;
@@ -76,11 +76,6 @@ impl CornerTables {
 }
 
 impl CornerTables {
-    /// Whether the closed form of the gradient keeps its bound for all tiles.
-    pub fn has_gradient(&self) -> bool {
-        self.tiles.iter().all(|tile| has_gradient(tile.squares.map(f64::sqrt)))
-    }
-
     /// The terms of the gradient of a tile in these tables.
     pub fn gradient_terms(&self, tile: &TileTerms) -> GradientTerms {
         let axes = [0, 2, 4].map(|plane: usize| self.planes[usize::from(tile.planes[plane])].0);
@@ -90,7 +85,7 @@ impl CornerTables {
             tile.coefficients[element][axes[along]] * 2.0 * PI * tile.factors[element].signum()
         };
         let polarization_t = [part(AA, 0), part(BB, 1), part(CC, 2) - part(AA, 2)];
-        GradientTerms::new(axes, tile.squares.map(f64::sqrt), polarization_t, self.scale, tile.form)
+        GradientTerms::new(axes, tile.squares.map(f64::sqrt), polarization_t, self.scale)
     }
 }
 
