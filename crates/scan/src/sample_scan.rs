@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use magsplice_field::Scene;
-use magsplice_magnet::{Grid, HallSensor, PointErrors};
+use magsplice_magnet::{Grid, HallSensor, PointError, PointErrorCause, PointErrors, is_in_range};
 use magsplice_sensor::{SensedField, SensedFieldError};
 use magsplice_tolerance::FilmSample;
 use thiserror::Error;
@@ -42,6 +42,12 @@ impl SampleScan {
     /// # Errors
     /// See [`SampleScanError`].
     pub fn new(sample: &FilmSample, sensor: &HallSensor, points_mm: &[DVec3]) -> Result<SampleScan, SampleScanError> {
+        let far = points_mm.iter().enumerate().filter(|(_, point)| !is_in_range(**point));
+        let far: Vec<PointError> =
+            far.map(|(index, point)| PointError { index, point: *point, cause: PointErrorCause::OutOfRange }).collect();
+        if !far.is_empty() {
+            return Err(SampleScanError::Points(PointErrors(far)));
+        }
         let real = sample.sensor(sensor);
         let turned = sample.rotation().inverse() * real.rotation;
         let in_film: Vec<DVec3> = points_mm.iter().map(|point| sample.point_of_film(*point)).collect();

@@ -34,6 +34,7 @@ __all__ = [
     "parts",
     "pattern",
     "read",
+    "remark_on_range",
     "recoil",
     "recoil_estimate",
     "report",

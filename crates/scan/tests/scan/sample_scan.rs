@@ -4,7 +4,7 @@ use glam::{DQuat, DVec3};
 use magsplice_field::Scene;
 use magsplice_layout::{Distribution, FilmPose, FilmTolerance, Layout, StrayField, Temperature};
 use magsplice_magnet::{HallSensor, Quantity};
-use magsplice_scan::SampleScan;
+use magsplice_scan::{SampleScan, SampleScanError};
 use magsplice_tolerance::RealFilm;
 
 fn normal(deviations: [f64; 3]) -> [Distribution; 3] {
@@ -44,4 +44,17 @@ fn parameters_reproduce_the_readings() {
             assert!(parameters.offset_t.length() > 1e-6 && parameters.start.length() > 1e-3, "{parameters:?}");
         }
     }
+}
+
+/// A point beyond the range of lengths, which a turned film would move to infinity.
+#[test]
+fn points_out_of_range_are_refused() {
+    let layout = Layout::read("../../layouts/published-film.toml").unwrap_or_else(|e| panic!("{e}"));
+    let mut tolerance = FilmTolerance::default();
+    tolerance.common.film = FilmPose { position_mm: normal([0.1; 3]), rotation_rad: normal([0.02; 3]) };
+    let made = RealFilm::new(&layout.bare_tiles(), &tolerance).sample(3, 0).expect("valid");
+    let points = [DVec3::NEG_Z * 4.0, DVec3::new(0.0, f64::MAX, -4.0)];
+    let refused = SampleScan::new(&made, &HallSensor::default(), &points);
+    let Err(SampleScanError::Points(errors)) = refused else { panic!("{refused:?}") };
+    assert_eq!(errors.0.iter().map(|error| error.index).collect::<Vec<_>>(), [1]);
 }
