@@ -14,6 +14,9 @@ const WILD: f64 = 10.0;
 /// Share of the readings that share an extreme, above which it may be the limit of the sensor.
 const PLATEAU: f64 = 0.02;
 
+/// Share of the largest component from which on an extreme may be the limit of the sensor.
+const LEAST_PLATEAU: f64 = 0.3;
+
 /// Relative difference of readings that symmetric places have.
 const SAME: f64 = 1e-9;
 
@@ -88,7 +91,9 @@ fn plateau(readings_t: &[DVec3], count_t: DVec3) -> Option<String> {
     };
     let all = Axis::ALL.into_iter().flat_map(|axis| [(axis, 1.0), (axis, -1.0)]);
     let (count, axis, extreme_t) = all.map(of).max_by_key(|(count, _, _)| *count)?;
-    let is_plateau = count > 1 && count as f64 > PLATEAU * finite.len() as f64 && extreme_t != 0.0;
+    let largest_t = finite.iter().map(|reading| reading.abs().max_element()).fold(0.0, f64::max);
+    let is_many = count > 1 && count as f64 > PLATEAU * finite.len() as f64;
+    let is_plateau = is_many && extreme_t.abs() > LEAST_PLATEAU * largest_t;
     is_plateau.then(|| {
         let (name, extreme) = (if extreme_t > 0.0 { "largest" } else { "smallest" }, number(1e3 * extreme_t));
         format!(

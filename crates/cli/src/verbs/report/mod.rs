@@ -47,8 +47,9 @@ pub(crate) struct ReportArgs {
     /// Text in the SVG files
     #[arg(long, value_enum, default_value = "text")]
     text: SvgTextArg,
-    /// Only this figure, such as field-middle, as a file -o NAME.pdf, .svg or .png [default:
-    /// NAME.pdf]
+    /// Only this figure as a file -o NAME.pdf, .svg or .png [default: NAME.pdf]: layout, vectors,
+    /// field-lowest, field-middle, field-highest, parameters-level, parameters-upright,
+    /// parameters-along-axes, resolution, experiment, as far as the layout has them
     #[arg(long, value_name = "NAME", conflicts_with = "watch")]
     figure: Option<String>,
     /// Width of the figure in print, such as 85mm: text has 7 to 9 pt
