@@ -212,7 +212,7 @@ impl Film {
             };
             model.diagnose(&field_t, show).map_err(failed)
         };
-        let explained = || LikelierErrors::new(tiles.len(), &diagnosed);
+        let explained = || LikelierErrors::new(tiles.len(), diagnosed);
         let mut made_as = None;
         let mut diagnosis =
             diagnosed(expected.clone(), if has_expected_errors { MOST_ERRORS } else { MOST_SINGLE_ERRORS })?;
