@@ -150,10 +150,9 @@ pub fn fit_scan<'a>(
         let best = fits.into_iter().find(|fit| fit.noise_t <= SIMILAR * least_t)?;
         if rough.is_some() { from(&best.start()).ok() } else { Some(best) }
     };
-    if let Some(fit) = downwards(points, centre).filter(|_| free.start).and_then(|start| from(&start).ok())
-        && is_expected(&fit)
-    {
-        return Ok(fit);
+    let down = downwards(points, centre).filter(|_| free.start).and_then(|start| from(&start).ok());
+    if let Some(fit) = down.as_ref().filter(|fit| is_expected(fit)) {
+        return Ok(fit.clone());
     }
     let oriented = found(Search::Sensor);
     let mut best = match oriented {
@@ -170,7 +169,7 @@ pub fn fit_scan<'a>(
             let mut fits =
                 fits.filter_map(|start| fit_from(searched, &scaled, &readings_t, &unusable, held, &start).ok());
             fits.any(|fit| {
-                let explained_t = MADE_RESIDUAL * root_mean_square(&fit, &readings_t);
+                let explained_t = MOST_RESIDUAL * root_mean_square(&fit, &readings_t);
                 fit.parameters.rotation_rad.length() < CLOSE && fit.noise_t <= most_t.min(explained_t)
             })
         };
@@ -183,7 +182,12 @@ pub fn fit_scan<'a>(
             best = better(best, found(search));
         }
     }
-    let fit = best?;
+    // A symmetric film looks alike from both sides, and errors of the tiles leave a residual in both.
+    let is_as_good = |down: &ScanFit| best.as_ref().map_or(true, |fit| down.noise_t <= SIMILAR * fit.noise_t);
+    let fit = match down.filter(is_as_good) {
+        Some(down) => down,
+        None => best?,
+    };
     let reading_t = root_mean_square(&fit, &readings_t);
     if free == FreeParameters::ALL && fit.noise_t > MOST_RESIDUAL * reading_t {
         return Err(ScanError::Misfit { residual_t: fit.noise_t, reading_t });

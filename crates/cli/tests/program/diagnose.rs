@@ -207,6 +207,52 @@ fn found_film_is_a_layout() {
     assert!(again.contains("no faulty tile"), "{again}");
 }
 
+/// The origin of a stage changes the start of a scan and nothing else. Columns exchanged in a
+/// circle, and z counted downwards on one plane, are refused, by hand too.
+#[test]
+fn stages_and_axes_of_scans_of_films_as_made() {
+    let sandbox = Sandbox::new();
+    let film = sandbox.published_with("[sensor]\nnoise_ut = 5");
+    type Change = fn(&[f64]) -> [f64; 6];
+    let changed = |change: Change| {
+        let lines: Vec<String> = rows(&sandbox.read("scan.csv"))
+            .iter()
+            .map(|row| change(row).map(|value| format!("{value:?}")).join(","))
+            .collect();
+        sandbox.write("changed.csv", &format!("x_mm,y_mm,z_mm,bx_t,by_t,bz_t\n{}\n", lines.join("\n")));
+        "changed.csv"
+    };
+    let sample = |preset: &str, points: &[&str]| {
+        let sample = ["tolerance", "sample", &film, "--preset", preset, "--index", "3", "--scan", "scan.csv"];
+        assert_eq!(sandbox.run(&[&sample[..], points].concat()).status, 0);
+    };
+    sample("workshop", &[]);
+    let fitted = |scan: &str, shift_mm: f64| -> Vec<f64> {
+        let said =
+            sandbox.run(&["diagnose", &film, "--scan", scan, "--preset", "workshop", "--fit", "--format", "json"]);
+        assert_eq!(said.status, 0, "{}", said.stderr);
+        let found: Value = serde_json::from_str(&said.stdout).expect("JSON");
+        let z_mm = found["scan"]["start_mm"][2].as_f64().expect("a number");
+        vec![found["scan"]["strength"].as_f64().expect("a number"), z_mm + shift_mm]
+    };
+    let near = fitted("scan.csv", 0.0);
+    let far = fitted(changed(|row| [row[0], row[1], row[2] + 200.0, row[3], row[4], row[5]]), 200.0);
+    // Steps end at a thirtieth of a standard deviation, 0.02 and 0.04 mm.
+    assert!(near.iter().zip(&far).all(|(near, far)| (near - far).abs() < 0.002), "{near:?} {far:?}");
+    let refused = |scan: &str, preset: &str, named: &str| {
+        sandbox.run(&["diagnose", &film, "--scan", scan, "--preset", preset, "--fit"]).refuses(named);
+    };
+    let circle = changed(|row| [row[0], row[1], row[2], row[4], row[5], row[3]]);
+    refused(circle, "workshop", "its rotation is that of exchanged axes: x, y, z are y, z, x");
+    let points: Vec<String> = (0..529).map(|n| format!("{},{},-1", n % 23 - 11, n / 23 - 11)).collect();
+    sandbox.write("points.csv", &format!("x_mm,y_mm,z_mm\n{}\n", points.join("\n")));
+    sample("by-hand", &["--points", "points.csv"]);
+    let down = changed(|row| [row[0], row[1], -row[2], row[3], row[4], row[5]]);
+    refused(down, "by-hand", "axes of the positions: z is reversed: change their columns");
+    let centimetres = changed(|row| [row[0] / 10.0, row[1] / 10.0, row[2] / 10.0, row[3], row[4], row[5]]);
+    refused(centimetres, "by-hand", "the positions are in centimetres, must be in mm");
+}
+
 /// Small errors of every tile are likelier than large errors of many.
 #[test]
 fn films_with_small_errors_of_every_tile_have_no_list_of_faulty_tiles() {

@@ -202,4 +202,8 @@ fn readings_with_other_axes_or_units_are_named() {
     let column = names.split(',').position(|name| name == "closed_form_dz_mm").expect("a column");
     assert!(found.iter().all(|row| row[column].is_nan()), "{}", other_unit.stdout);
     assert_eq!(read(|b| [b[0], b[1], b[2]]).stderr, "");
+    // The first reading is at a corner of the volume, not at the reference point.
+    let elsewhere = sandbox.run(&["read", &film, "b.csv", "--zero", "1"]);
+    let named = "several times the field of the earth: take them at the reference point of [volume]";
+    assert!(elsewhere.stderr.contains(named), "{}", elsewhere.stderr);
 }

@@ -195,8 +195,11 @@ impl Film {
         let expected = expected.unwrap_or_default();
         let has_expected_errors = expected != FilmTolerance::default();
         let ordered = Scene::new(&tiles);
-        let placed = PlacedScan::new(&ordered, points_mm, &field_t, noise_t, self.centre_mm());
-        let start = placed.start(free)?;
+        let placed = PlacedScan::new(&tiles, &ordered, points_mm, &field_t, noise_t, self.centre_mm());
+        let mut start = placed.start(free)?;
+        // The positions count from the fitted start, which the prior of the start is about.
+        let origin_mm = std::mem::take(&mut start.start);
+        let places_mm: Vec<DVec3> = points_mm.iter().map(|point| *point + origin_mm).collect();
         let diagnosed = |expected: FilmTolerance, most_errors: usize| {
             let settings =
                 DiagnosisSettings { expected, free, false_alarm, most_errors, ..DiagnosisSettings::default() };
@@ -205,7 +208,7 @@ impl Film {
                 error => FilmError::Diagnosis(error),
             };
             self.tell(Stage::uncounted("preparing the diagnosis"));
-            let scan = FieldScan { points_mm: points_mm.to_vec(), noise_t };
+            let scan = FieldScan { points_mm: places_mm.clone(), noise_t };
             let model = ScanDiagnosis::new(&tiles, scan, settings, start).map_err(failed)?;
             let show = |found: usize| {
                 self.tell(Stage { name: "faulty tiles", done: found, of: None, unit: "errors identified" });
@@ -224,6 +227,7 @@ impl Film {
                 made_as = likelier.simpler_than(diagnosis.detected.len());
             }
         }
+        diagnosis.scan.start += origin_mm;
         // Saturated readings were withheld as unfinished.
         for (exclusion, unusable) in diagnosis.exclusions.iter_mut().zip(&unusable) {
             *exclusion = unusable.or(*exclusion);

@@ -2,10 +2,10 @@
 
 use glam::DVec3;
 use magsplice_field::Scene;
-use magsplice_magnet::Quantity;
+use magsplice_magnet::{Quantity, Tile};
 use magsplice_scan::{FreeParameters, ScanError, ScanFit, ScanParameters, fit_determined, fit_scan};
 
-use super::placement::SensorPlacement;
+use super::placement::{FittedScan, SensorPlacement, is_across};
 use crate::film_error::FilmError;
 
 /// Square of the residual beyond the noise with another placement of the sensor, over the same with
@@ -23,6 +23,7 @@ const HOPELESS: f64 = 0.5;
 
 /// A scan of the field of a film as ordered. Readings that are not used are NaN.
 pub(super) struct PlacedScan<'a> {
+    tiles: &'a [Tile],
     ordered: &'a Scene,
     points_mm: &'a [DVec3],
     field_t: &'a [DVec3],
@@ -33,14 +34,16 @@ pub(super) struct PlacedScan<'a> {
 }
 
 impl<'a> PlacedScan<'a> {
+    /// `ordered` is the scene of the tiles.
     pub(super) fn new(
+        tiles: &'a [Tile],
         ordered: &'a Scene,
         points_mm: &'a [DVec3],
         field_t: &'a [DVec3],
         noise_t: DVec3,
         centre_mm: Option<DVec3>,
     ) -> PlacedScan<'a> {
-        PlacedScan { ordered, points_mm, field_t, noise_squared: noise_t.length_squared() / 3.0, centre_mm }
+        PlacedScan { tiles, ordered, points_mm, field_t, noise_squared: noise_t.length_squared() / 3.0, centre_mm }
     }
 
     /// The parameters of the film as ordered, of which `free` are fitted; those of a perfect scan
@@ -54,11 +57,11 @@ impl<'a> PlacedScan<'a> {
         let fit = (free != FreeParameters::NONE)
             .then(|| fit_scan(self.ordered, self.points_mm, self.field_t, free, self.centre_mm).ok())
             .flatten();
-        if let Some(fit) = fit.as_ref().filter(|fit| !fit.has_stated_axes()) {
+        if let Some(fit) = fit.as_ref().filter(|fit| self.is_otherwise(fit)) {
             // With the strength held, as a scan states it.
             let determined = fit_determined(self.ordered, self.points_mm, self.field_t, self.centre_mm);
             let fit = determined.as_ref().map_or(fit, |(fit, _)| fit);
-            return Err(FilmError::Misplaced(Box::new(SensorPlacement::new(fit))));
+            return Err(FilmError::Misplaced(Box::new(self.placement(fit))));
         }
         let start = fit.map_or(ScanParameters::PERFECT, |fit| fit.parameters);
         let [residual_t, reading_t] = self.medians(&start)?;
@@ -72,6 +75,22 @@ impl<'a> PlacedScan<'a> {
         }
     }
 
+    /// Whether the sensor had other axes, those of a rotation too, or was on the other side of the
+    /// film.
+    fn is_otherwise(&self, fit: &ScanFit) -> bool {
+        let placement = FittedScan::new(&fit.parameters, fit.offset_t());
+        !fit.has_stated_axes() || placement.rotated_axes().is_some() || self.is_across(fit)
+    }
+
+    fn is_across(&self, fit: &ScanFit) -> bool {
+        let places_mm: Vec<DVec3> = self.points_mm.iter().map(|point| fit.place(*point)).collect();
+        is_across(self.tiles, self.centre_mm, &places_mm)
+    }
+
+    fn placement(&self, fit: &ScanFit) -> SensorPlacement {
+        SensorPlacement::new(fit, self.is_across(fit))
+    }
+
     /// The placement of the sensor that explains the scan, if it leaves much less than a residual.
     ///
     /// # Errors
@@ -83,7 +102,7 @@ impl<'a> PlacedScan<'a> {
         }
         let excess = |residual_t: f64| residual_t.powi(2) - self.noise_squared;
         let explains = |fit: &ScanFit| excess(fit.noise_t) < EXPLAINED * excess(residual_t);
-        Ok(fit.ok().filter(explains).map(|fit| SensorPlacement::new(&fit)))
+        Ok(fit.ok().filter(explains).map(|fit| self.placement(&fit)))
     }
 
     /// Residual and reading of one component, in tesla, from the medians of their squares, in which

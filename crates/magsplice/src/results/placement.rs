@@ -3,6 +3,7 @@
 use std::fmt;
 
 use glam::{DMat3, DQuat, DVec3};
+use magsplice_magnet::Tile;
 use magsplice_scan::{ScanFit, ScanParameters, SignedAxes};
 use serde::Serialize;
 
@@ -62,11 +63,19 @@ pub struct SensorPlacement {
     pub fitted: FittedScan,
     /// Standard deviation of the residuals of one component.
     pub residual_t: f64,
+    /// Whether the sensor was on the other side of the film than the working volume.
+    #[serde(skip)]
+    pub is_across: bool,
 }
 
+/// What a sensor on the other side of the film than the working volume means.
+pub(super) const ACROSS: &str = "the sensor was on the other side of the film than [volume]: the film is turned over, or z \
+    of the positions is counted downwards and the z axis of the sensor is reversed (gain = [1, 1, -1] in [sensor])";
+
 impl SensorPlacement {
-    pub(crate) fn new(fit: &ScanFit) -> SensorPlacement {
+    pub(crate) fn new(fit: &ScanFit, is_across: bool) -> SensorPlacement {
         SensorPlacement {
+            is_across,
             sensor_axes: fit.sensor_axes,
             stage_axes: fit.stage_axes,
             fitted: FittedScan::new(&fit.parameters, fit.offset_t()),
@@ -81,8 +90,13 @@ impl fmt::Display for SensorPlacement {
         let residual_ut = 1e6 * self.residual_t;
         write!(f, "the film as ordered explains the scan to {residual_ut:.1} uT with strength {strength:.3}, ")?;
         write!(f, "start ({}) mm, rotation ({}) deg", rounded(start_mm, 3), rounded(rotation_deg, 2))?;
+        if self.is_across {
+            write!(f, "; {ACROSS}")?;
+        }
         if let Some(rotated) = self.fitted.rotated_axes() {
             write!(f, "; {rotated}")?;
+        } else if self.is_across {
+            return Ok(());
         } else if [self.sensor_axes, self.stage_axes] == [SignedAxes::SAME; 2] {
             return f.write_str(": fit them with the errors of tiles");
         }
@@ -94,6 +108,15 @@ impl fmt::Display for SensorPlacement {
         }
         Ok(())
     }
+}
+
+/// Whether places and the centre of the volume are on different sides of the film along z, by their
+/// means.
+pub(super) fn is_across(tiles: &[Tile], centre_mm: Option<DVec3>, places_mm: &[DVec3]) -> bool {
+    let mean = |sum: f64, count: usize| sum / count.max(1) as f64;
+    let film_mm = mean(tiles.iter().map(|tile| tile.position().z).sum(), tiles.len());
+    let scan_mm = mean(places_mm.iter().map(|place| place.z).sum(), places_mm.len());
+    centre_mm.is_some_and(|centre_mm| (centre_mm.z - film_mm) * (scan_mm - film_mm) < 0.0)
 }
 
 /// Three components with this number of decimals; a negative zero has no sign.

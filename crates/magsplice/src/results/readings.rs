@@ -76,11 +76,29 @@ const TRIED: [usize; 2] = [3, 20];
 /// Factors between units of flux density.
 const UNITS: [f64; 8] = [1e-3, 1e3, 0.1, 10.0, 1e-4, 1e4, 1e-6, 1e6];
 
+/// Difference of readings at rest from the field, in microtesla, that stray fields and offsets of
+/// sensors hardly have.
+const MOST_ZERO_UT: f64 = 200.0;
+
 /// Distance from the volume, over its extent, up to which noise may have moved a position.
 const NEAR: f64 = 0.02;
 
-/// Words for the axes or the unit with which readings without a position in the volume have one.
-fn hint(locator: &Locator, readings_t: &[DVec3], found: &[Result<Located, LocateError>]) -> Option<String> {
+/// Words for readings at rest that were taken elsewhere, or for the axes or the unit with which
+/// readings without a position in the volume have one. `zero_t` is the constant part from readings
+/// at rest.
+fn hint(
+    locator: &Locator,
+    readings_t: &[DVec3],
+    found: &[Result<Located, LocateError>],
+    zero_t: Option<DVec3>,
+) -> Option<String> {
+    let zero_ut = 1e6 * zero_t.unwrap_or_default().abs().max_element();
+    if zero_ut > MOST_ZERO_UT {
+        return Some(format!(
+            "the readings at rest differ by {zero_ut:.0} uT from the field at the reference point, several times the field \
+             of the earth: take them at the reference point of [volume]"
+        ));
+    }
     let volume = locator.grid();
     let margin = NEAR * (volume.upper() - volume.lower());
     let (lower, upper) = (volume.lower() - margin, volume.upper() + margin);
@@ -182,7 +200,7 @@ impl Film {
         Ok(FilmReadings {
             source: Source::of(self),
             readings: readings_t.len(),
-            hint: hint(&locator, readings_t, &found),
+            hint: hint(&locator, readings_t, &found, matches!(at_rest, AtRest::Zero(_)).then_some(constant_t)),
             found,
             closed_form_mm,
             origin_mm,

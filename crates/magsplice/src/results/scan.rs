@@ -11,7 +11,7 @@ use magsplice_scan::{
 };
 use serde::Serialize;
 
-use super::placement::FittedScan;
+use super::placement::{ACROSS, FittedScan, is_across};
 use super::significant::number;
 use super::source::Source;
 use super::table::{ColumnQuantity, Points, Table};
@@ -224,10 +224,7 @@ impl Film {
             }
             false => None,
         };
-        let mean_z = |heights: Vec<f64>| heights.iter().sum::<f64>() / heights.len().max(1) as f64;
-        let film_mm = mean_z(self.layout().tiles.iter().map(|of| of.tile.position().z).collect());
-        let scan_mm = mean_z(places_mm.iter().map(|place| place.z).collect());
-        let is_across = centre_mm.is_some_and(|centre_mm| (centre_mm.z - film_mm) * (scan_mm - film_mm) < 0.0);
+        let is_across = is_across(&self.layout().bare_tiles(), centre_mm, &places_mm);
         let positions = ScanPositions::new(points_mm);
         let numbered = |indices: &[usize]| indices.iter().map(|index| numbers[*index]).collect();
         Ok(FilmScan {
@@ -335,11 +332,7 @@ impl FilmScan {
                 number(100.0 * share)
             )
         });
-        let across = self.is_across.then(|| {
-            "the sensor was on the other side of the film than [volume]: the film is turned over, or z of the positions is \
-             counted downwards and the z axis of the sensor is reversed (gain = [1, 1, -1] in [sensor])"
-                .to_owned()
-        });
+        let across = self.is_across.then(|| ACROSS.to_owned());
         let plateau = self.excluded.remark();
         plateau
             .into_iter()
