@@ -182,8 +182,9 @@ pub fn fit_scan<'a>(
             best = better(best, found(search));
         }
     }
-    // A symmetric film looks alike from both sides, and errors of the tiles leave a residual in both.
-    let is_as_good = |down: &ScanFit| best.as_ref().map_or(true, |fit| down.noise_t <= SIMILAR * fit.noise_t);
+    // A symmetric film looks alike from both sides, and errors of the tiles leave a residual in
+    // both.
+    let is_as_good = |down: &ScanFit| best.as_ref().ok().is_none_or(|fit| down.noise_t <= SIMILAR * fit.noise_t);
     let fit = match down.filter(is_as_good) {
         Some(down) => down,
         None => best?,
