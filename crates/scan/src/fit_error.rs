@@ -47,7 +47,7 @@ pub enum ScanError {
     /// The residuals are a large part of the readings.
     #[error(
         "the layout does not explain the scan: the residual of the best fit is {:.0} uT, {:.0} % of the readings: the scan \
-         belongs to another film, or its positions are wrong", 1e6 * residual_t, 100.0 * residual_t / reading_t
+         belongs to another film, its positions are wrong, or its readings have another unit", 1e6 * residual_t, 100.0 * residual_t / reading_t
     )]
     Misfit {
         /// Standard deviation of the residuals of one component, in tesla.

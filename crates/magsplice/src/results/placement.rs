@@ -1,11 +1,18 @@
 //! Where the sensor of a scan was, and how it was turned.
 
 use std::fmt;
+use std::ops::RangeInclusive;
 
 use glam::{DMat3, DQuat, DVec3};
 use magsplice_magnet::Tile;
 use magsplice_scan::{ScanFit, ScanParameters, SignedAxes};
 use serde::Serialize;
+
+use super::significant::number;
+
+/// Strengths of a film that was made, over the strength of its layout: magnets of half or twice the
+/// strength were not ordered.
+const PLAUSIBLE_STRENGTHS: RangeInclusive<f64> = 0.5..=2.0;
 
 /// Angle from a rotation to the nearest exchange of axes up to which axes are likely exchanged:
 /// sensors are soldered and clamped to a few degrees.
@@ -32,6 +39,18 @@ impl FittedScan {
             rotation_deg: of.rotation_rad.map(f64::to_degrees),
             start_mm: of.start,
         }
+    }
+
+    /// Words for a strength that this film hardly has: below half of that of the layout, or above
+    /// twice.
+    pub(crate) fn implausible_strength(&self) -> Option<String> {
+        let strength = number(self.strength);
+        (!PLAUSIBLE_STRENGTHS.contains(&self.strength)).then(|| {
+            format!(
+                "the fitted strength is {strength} times the strength of the layout: the scan is of another film, or its \
+                 columns have another unit, or its positions are far off"
+            )
+        })
     }
 
     /// The exchange of axes that the rotation of the sensor is but for errors of mounting, as

@@ -1,7 +1,5 @@
 //! A measured scan of the field of a film, fitted and compared with the layout.
 
-use std::ops::RangeInclusive;
-
 use glam::DVec3;
 use magsplice_decouple::{Branch, NoPlanes, Parameters, PerParameter, uniformity_by_planes};
 use magsplice_magnet::Grid;
@@ -18,10 +16,6 @@ use super::table::{ColumnQuantity, Points, Table};
 use crate::film::Film;
 use crate::film_error::FilmError;
 use crate::stage::Stage;
-
-/// Strengths of a film that was made, over the strength of its layout: magnets of half or twice the
-/// strength were not ordered.
-const PLAUSIBLE_STRENGTHS: RangeInclusive<f64> = 0.5..=2.0;
 
 /// Offset, in tesla, that a sensor in the field of the earth hardly has: the field of the earth is
 /// at most 65 uT, and offsets of magnetometers are about as large.
@@ -267,12 +261,6 @@ impl Film {
 }
 
 impl FilmScan {
-    /// Whether the fitted strength is hardly the strength of this film: below half of that of the
-    /// layout, or above twice.
-    pub fn has_implausible_strength(&self) -> bool {
-        !PLAUSIBLE_STRENGTHS.contains(&self.fitted.strength)
-    }
-
     /// The residual over the noise of the sensor of the layout, if it is so large that the film or
     /// the positions are not as stated.
     pub fn excessive_residual(&self) -> Option<f64> {
@@ -291,13 +279,7 @@ impl FilmScan {
 
     /// Why the fit is hardly the fit of this film, one sentence each.
     pub fn remarks(&self) -> Vec<String> {
-        let strength = self.has_implausible_strength().then(|| {
-            format!(
-                "the fitted strength is {} times the strength of the layout: the scan is of another film, or its \
-                 columns have another unit, or its positions are far off",
-                number(self.fitted.strength)
-            )
-        });
+        let strength = self.fitted.implausible_strength();
         let offset_t = self.fitted.offset_t.abs().max_element();
         let certain_t = (self.fitted.offset_t.abs() - 2.0 * self.deviation.offset_t).max_element();
         let offset = (self.fit.offset && certain_t > MOST_OFFSET_T).then(|| {
@@ -321,7 +303,7 @@ impl FilmScan {
             format!(
                 "the strength is not fitted, and the deviations do not contain errors of the tiles, which look like another \
                  strength, height and offset: each 10 % of strength is about {height_mm:.2} mm of height; a diagnosis with \
-                 the expected errors of the tiles (diagnose with --preset and --fit) fits all and states their deviations"
+                 the expected errors of the tiles (diagnose with --preset and --fit), of readings near the film, fits all and states their deviations"
             )
         });
         let share = self.residual_t / self.reading_t;
