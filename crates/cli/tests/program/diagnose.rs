@@ -237,8 +237,7 @@ fn stages_and_axes_of_scans_of_films_as_made() {
     };
     let remarks =
         |scan: &str| sandbox.run(&["diagnose", &film, "--scan", scan, "--preset", "workshop", "--fit"]).stderr;
-    let far =
-        "strength and height are fitted to readings 2.9 mm or more from the film, where errors of the tiles bias both";
+    let far = "mm or more from the film, where errors of the tiles bias both, by several of the stated deviations";
     assert!(remarks("scan.csv").contains(far), "{}", remarks("scan.csv"));
     let gauss = remarks(changed(|row| [row[0], row[1], row[2], 10.0 * row[3], 10.0 * row[4], 10.0 * row[5]]));
     assert!(
