@@ -53,7 +53,7 @@ fn points_out_of_range_are_refused() {
     let mut tolerance = FilmTolerance::default();
     tolerance.common.film = FilmPose { position_mm: normal([0.1; 3]), rotation_rad: normal([0.02; 3]) };
     let made = RealFilm::new(&layout.bare_tiles(), &tolerance).sample(3, 0).expect("valid");
-    let points = [DVec3::NEG_Z * 4.0, DVec3::new(0.0, f64::MAX, -4.0)];
+    let points = [DVec3::NEG_Z * 4.0, DVec3::new(f64::MAX, f64::MAX, -4.0)];
     let refused = SampleScan::new(&made, &HallSensor::default(), &points);
     let Err(SampleScanError::Points(errors)) = refused else { panic!("{refused:?}") };
     assert_eq!(errors.0.iter().map(|error| error.index).collect::<Vec<_>>(), [1]);
