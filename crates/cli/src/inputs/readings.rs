@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use magsplice::prelude::DVec3;
+use magsplice::prelude::{DVec3, Film};
 
 use crate::args::given_units::GivenUnits;
 use crate::csv_input::finder::{Column, Finder};
@@ -87,8 +87,9 @@ fn read(session: &Session, path: &Path, units: Option<&GivenUnits>, beside: Besi
     let has_positions = beside == Beside::Position;
     let (beside, readings_t): (Vec<DVec3>, Vec<DVec3>) = found.into_iter().unzip();
     let positions = if has_positions { &beside[..] } else { &[] };
-    let film = session.film().ok();
-    if let Some(remark) = film.and_then(|film| film.remark_on_range(positions, &readings_t)) {
+    // Recoil changes the field by per cents, and a range by less than a setting.
+    let film = Film::rigid(session.layout.clone());
+    if let Some(remark) = film.remark_on_range(positions, &readings_t) {
         session.tell(&format!("{}: {remark}", path.display()));
     }
     Ok(Readings { beside, readings_t, lines })
