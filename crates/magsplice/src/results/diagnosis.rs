@@ -268,6 +268,7 @@ impl Film {
         let is_impossible = is_residual_too_large || !diagnosis.has_possible_errors(&tiles);
         let is_open = is_impossible && made_as.is_none();
         let placement = is_open.then(|| placed.explaining(diagnosis.residual_t())).transpose()?.flatten();
+        // Where errors of single tiles explain no scan, one may remain beside typical errors.
         if is_open && !has_expected_errors && placement.is_none() {
             made_as = explained()?.simpler_than(diagnosis.detected.len() + 2);
         }
