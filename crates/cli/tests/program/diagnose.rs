@@ -231,8 +231,7 @@ fn stages_and_axes_of_scans_of_films_as_made() {
         let said =
             sandbox.run(&["diagnose", &film, "--scan", scan, "--preset", "workshop", "--fit", "--format", "json"]);
         assert_eq!(said.status, 0, "{}", said.stderr);
-        let far = "mm or more from the film, where errors of the tiles bias both, by several of the stated deviations";
-        assert!(said.stderr.contains(far), "{}", said.stderr);
+        assert!(!said.stderr.contains("bias"), "{}", said.stderr);
         let found: Value = serde_json::from_str(&said.stdout).expect("JSON");
         let z_mm = found["scan"]["start_mm"][2].as_f64().expect("a number");
         vec![found["scan"]["strength"].as_f64().expect("a number"), z_mm + shift_mm]

@@ -23,11 +23,6 @@ use crate::film::Film;
 use crate::film_error::FilmError;
 use crate::stage::Stage;
 
-/// Distance of the readings from the film, in lengths in which the field falls to 1/e, from which
-/// on errors of tiles bias the strength. Films made by hand, by 51 samples: strengths up to five
-/// deviations too small 3 mm below a wavelength of 10 mm, and right at 1 and 2 mm.
-const FAR: f64 = 1.25;
-
 /// Cosine of the angle between J and an axis of rotation from which on a turn is about J.
 const ABOUT_J: f64 = 0.99;
 
@@ -74,10 +69,6 @@ pub struct FilmDiagnosis {
     pub made_as: Option<Preset>,
     /// Another placement of the sensor, which explains a rejected scan better than errors of tiles.
     pub placement: Option<SensorPlacement>,
-    /// Least distance of a reading from the film, where it is too large to fit the strength beside
-    /// expected errors of the tiles.
-    #[serde(skip)]
-    pub far_mm: Option<f64>,
     /// Errors that the scan hardly narrows.
     pub unresolved: Vec<UnresolvedError>,
     /// Pairs of errors that change the readings alike, the most alike first.
@@ -297,7 +288,6 @@ impl Film {
             is_rejected,
             made_as,
             placement,
-            far_mm: (has_expected_errors && free.strength).then(|| far_mm(&ordered, &tiles, &places_mm)).flatten(),
             unresolved: diagnosis.narrowed.iter().filter(|of| of.is_unresolved()).map(unresolved).collect(),
             similar: similar.collect(),
             diagnosis,
@@ -330,14 +320,13 @@ impl FilmDiagnosis {
         });
         let placement = self.placement.as_ref().map(ToString::to_string);
         let strength = self.scan.implausible_strength();
-        let far = self.far_mm.map(|far_mm| {
-            format!(
-                "strength and height are fitted to readings {far_mm:.1} mm or more from the film, where errors of the tiles \
-                 bias both, by several of the stated deviations: fit readings nearer to the film, or hold the strength"
-            )
+        let biased = self.diagnosis.is_biased.then(|| {
+            "expected errors of the tiles bias what is fitted of the scan, by more than the stated deviations: fit \
+             readings nearer to the film, or hold the strength"
+                .to_owned()
         });
         let plateau = self.excluded.remark();
-        plateau.into_iter().chain(strength).chain(far).chain(made_as).chain(residual).chain(placement).collect()
+        plateau.into_iter().chain(strength).chain(biased).chain(made_as).chain(residual).chain(placement).collect()
     }
 
     /// `chi_squared` over its expectation.
@@ -394,20 +383,6 @@ fn rounded(value: f64, decimals: usize) -> String {
     let first = -value.abs().log10().floor();
     let needed = if first.is_finite() && first > 0.0 { first as usize + 1 } else { 0 };
     format!("{value:.*}", decimals.max(needed))
-}
-
-/// The least distance of places from the film along z, if it is beyond [`FAR`]. `None` also where
-/// the film has no field.
-fn far_mm(ordered: &Scene, tiles: &[Tile], places_mm: &[DVec3]) -> Option<f64> {
-    let lower_mm = tiles.iter().map(|tile| tile.position().z - 0.5 * tile.size().z).fold(f64::INFINITY, f64::min);
-    let upper_mm = tiles.iter().map(|tile| tile.position().z + 0.5 * tile.size().z).fold(f64::NEG_INFINITY, f64::max);
-    let distances = places_mm.iter().map(|place| (lower_mm - place.z).max(place.z - upper_mm));
-    let least_mm = distances.fold(f64::INFINITY, f64::min);
-    let field_t = ordered.field_at(Quantity::FluxDensity, places_mm).ok()?;
-    let slopes = ordered.gradient_at(Quantity::FluxDensity, places_mm).ok()?;
-    let of_field: f64 = field_t.iter().map(|field_t| field_t.length_squared()).sum();
-    let of_slopes: f64 = slopes.iter().map(|slope| slope.z_axis.length_squared()).sum();
-    (least_mm > FAR * (of_field / of_slopes).sqrt()).then_some(least_mm)
 }
 
 /// Whether an error turns a tile about its J, which hardly changes the field.

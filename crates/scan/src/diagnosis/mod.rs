@@ -3,8 +3,8 @@
 //! The model is B at the points of the scan: the field of the nominal film and, to first order, the
 //! exact derivatives by every error of every tile. Least squares with prior deviations (ridge
 //! regression, or the mean of a Gaussian posterior) finds the errors, and Gauss-Newton steps repeat
-//! it with the exact field of the resulting film. Forward selection with tests of chi squared then
-//! identifies the errors that neither noise nor expected errors explain.
+//! it with the exact field of the resulting film (`gauss_newton`). Forward selection with tests of
+//! chi squared then identifies the errors that neither noise nor expected errors explain.
 //!
 //! References: A. Tarantola, Inverse Problem Theory (SIAM 2005), section 3.2, for the estimate and
 //! its covariance; C. R. Rao, Proc. Cambridge Phil. Soc. 44, 50 (1948), for the score test.
@@ -13,6 +13,8 @@
 mod candidate;
 /// Errors of a diagnosis.
 mod error;
+/// The fit of all unknowns.
+mod gauss_newton;
 /// Unknowns, derivatives and residuals.
 mod model;
 /// Least squares with prior deviations.

@@ -34,10 +34,20 @@ pub(crate) struct ScanModel {
     pub(crate) unknowns: Unknowns,
 }
 
+/// The film whose field gives the derivatives by parameters of the scan.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum SlopeOf {
+    /// The film of the state: the derivatives are exact.
+    State,
+    /// The film as ordered, if errors are expected.
+    Ordered,
+}
+
 /// The model at one state, as a linear function of the unknowns around it.
 #[derive(Clone, Debug)]
 pub(crate) struct Linearized {
     pub(crate) state: State,
+    pub(crate) slope_of: SlopeOf,
     /// Whether each reading is used. Derivatives of the others are 0.
     pub(crate) is_used: Vec<bool>,
     /// The readings of the scan's sensor at the points for this film.
@@ -81,6 +91,7 @@ impl ScanModel {
     pub(crate) fn linearized(
         &self,
         state: State,
+        slope_of: SlopeOf,
         is_used: &[bool],
         before: Option<&Linearized>,
     ) -> Result<Linearized, DiagnosisError> {
@@ -104,9 +115,15 @@ impl ScanModel {
             .collect::<Result<_, _>>()?;
         let moves_scan =
             self.unknowns.list.iter().any(|unknown| matches!(unknown, Unknown::Scan(ScanParameter::Start(_))));
-        let gradient = match moves_scan {
-            true => scene.gradient_at(Quantity::FluxDensity, &places).map_err(DiagnosisError::Points)?,
-            false => Vec::new(),
+        let is_ordered = slope_of == SlopeOf::Ordered && self.unknowns.expects_errors();
+        let ordered = is_ordered.then(|| Scene::new(self.film.tiles()));
+        let slope_t = match &ordered {
+            Some(ordered) => ordered.field_at(Quantity::FluxDensity, &places).map_err(DiagnosisError::Points)?,
+            None => field_t.clone(),
+        };
+        let gradient = match (moves_scan, ordered.as_ref().unwrap_or(&scene)) {
+            (true, film) => film.gradient_at(Quantity::FluxDensity, &places).map_err(DiagnosisError::Points)?,
+            (false, _) => Vec::new(),
         };
         let back = scan.turn().inverse();
         let column = |index: usize| -> Option<Vec<f64>> {
@@ -129,7 +146,7 @@ impl ScanModel {
                     scale_strength(error, &state.groups[group], &mut change_t);
                 }
                 Unknown::Scan(ScanParameter::Strength) => {
-                    change_t.iter_mut().zip(&field_t).for_each(|(change, b)| *change = *b / scan.strength);
+                    change_t.iter_mut().zip(&slope_t).for_each(|(change, b)| *change = *b / scan.strength);
                 }
                 // The offset is added after the rotation; the inverse rotation below cancels this
                 // factor.
@@ -139,7 +156,7 @@ impl ScanModel {
                 }
                 // A turn by d of the sensor changes the reading R^-1 b by R^-1 (b x d).
                 Unknown::Scan(ScanParameter::Rotation(axis)) => {
-                    change_t.iter_mut().zip(&field_t).for_each(|(change, b)| *change = b.cross(axis.unit()));
+                    change_t.iter_mut().zip(&slope_t).for_each(|(change, b)| *change = b.cross(axis.unit()));
                 }
                 Unknown::Scan(ScanParameter::Start(axis)) => {
                     change_t.iter_mut().zip(&gradient).for_each(|(change, slope)| *change = slope.col(axis.index()));
@@ -158,7 +175,7 @@ impl ScanModel {
             fresh.into_iter().enumerate().map(|(index, column)| column.unwrap_or_else(|| old(index))).collect();
         let gram = products(&columns, before.map(|before| (&before.gram, &is_fresh[..])));
         let field_t = field_t.into_iter().map(|field_t| scan.reading_t(field_t)).collect();
-        Ok(Linearized { state, is_used: is_used.to_vec(), field_t, columns, gram })
+        Ok(Linearized { state, slope_of, is_used: is_used.to_vec(), field_t, columns, gram })
     }
 
     /// The tiles of a state.

@@ -71,6 +71,9 @@ pub struct Diagnosis {
     /// Whether the list has all significant errors. A film with more than 16 is another film, or
     /// its tiles have unspecified expected errors.
     pub is_complete: bool,
+    /// Whether expected errors bias the parameters of the scan, because the fit without bias does
+    /// not converge.
+    pub is_biased: bool,
     /// The film that explains the readings: significant components of the identified errors, and
     /// the most probable expected errors.
     pub tiles: Vec<Tile>,

@@ -6,7 +6,7 @@ use magsplice_tolerance::{RealFilm, mean_square};
 
 use crate::diagnosis::candidate::{Candidate, ErrorKind};
 use crate::diagnosis::error::{DiagnosisError, LEAST_NOISE_T};
-use crate::diagnosis::model::{Linearized, ScanModel};
+use crate::diagnosis::model::{Linearized, ScanModel, SlopeOf};
 use crate::diagnosis::prior_fit::PriorFit;
 use crate::diagnosis::result::{Diagnosis, FittedError};
 use crate::diagnosis::search::Search;
@@ -63,7 +63,7 @@ impl ScanDiagnosis {
         let film = RealFilm::new(tiles, &settings.expected);
         let model = ScanModel { film, points: scan.points_mm, noise_t: scan.noise_t, unknowns }.checked()?;
         let state = State::nominal(tiles.len(), settings.expected.groups.len(), &start);
-        let nominal = model.linearized(state, &vec![true; model.points.len()], None)?;
+        let nominal = model.linearized(state, SlopeOf::State, &vec![true; model.points.len()], None)?;
         let of_tile = |tile| ErrorKind::ALL.map(|kind| Candidate { tile, kind });
         let candidates = (0..tiles.len()).flat_map(of_tile).collect();
         Ok(ScanDiagnosis { model, settings, candidates, nominal })
@@ -130,11 +130,12 @@ impl ScanDiagnosis {
                 *resolved = unknowns.expected[index];
             }
         }
-        let (film, _) = search.converged(found.at.clone(), &resolved)?;
+        let (film, _) = model.converged(readings_t, found.at.clone(), &resolved)?;
         let prior = self.prior();
         Ok(Diagnosis {
             detected,
             is_complete: found.is_complete,
+            is_biased: unknowns.expects_errors() && unknowns.of_scan() > 0 && found.at.slope_of == SlopeOf::State,
             tiles: model.tiles(&film.state)?,
             errors: film.state.tiles,
             scan: found.at.state.scan_parameters(),
@@ -156,11 +157,7 @@ impl ScanDiagnosis {
     /// expected errors.
     fn prior(&self) -> Vec<f64> {
         let Unknowns { list, expected } = &self.model.unknowns;
-        let is_stated = list
-            .iter()
-            .zip(expected)
-            .any(|(unknown, deviation)| !matches!(unknown, Unknown::Scan(_)) && *deviation > 0.0);
-        if is_stated {
+        if self.model.unknowns.expects_errors() {
             return expected.clone();
         }
         let prior = |(unknown, deviation): (&Unknown, &f64)| match unknown {

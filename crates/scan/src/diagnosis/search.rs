@@ -11,16 +11,6 @@ use crate::diagnosis::prior_fit::{PriorFit, Score};
 use crate::diagnosis::result::DetectedError;
 use crate::fit::{DEVIATION_OVER_MEDIAN, MOST_OUTLIERS, OUTLIER};
 
-/// Fall of the sum of squares, in units of the variance of the residuals, below which Gauss-Newton
-/// steps end. Errors then change by a thirtieth of their standard deviation.
-const LEAST_GAIN: f64 = 1e-3;
-
-/// Largest number of Gauss-Newton steps of a fit. Errors of 10 degrees or 0.5 mm need about six.
-const MOST_STEPS: usize = 20;
-
-/// Largest number of halvings of a step.
-const MOST_HALVINGS: usize = 12;
-
 /// Number of exchanges for each identified error after which errors are added again. Where errors
 /// of single tiles do not explain a scan, each set of them may seem better than the set before.
 const MOST_EXCHANGES: usize = 2;
@@ -72,17 +62,17 @@ impl Search<'_> {
             }
             start = start.without(&wild);
         }
-        let (mut at, mut compared) = self.converged(start, &deviations(&detected))?;
+        let (mut at, mut compared) = self.model.converged(self.readings_t, start, &deviations(&detected))?;
         // The linear model at the nominal film cannot judge them where errors are large.
         if let Some(admitted) = self.with_unsuspicious(&at, &compared, &usable)? {
-            (at, compared) = self.converged(admitted, &deviations(&detected))?;
+            (at, compared) = self.model.converged(self.readings_t, admitted, &deviations(&detected))?;
         }
         let mut exchanges = 0;
         let is_complete = loop {
             watch(detected.len());
             let wild = self.wild(&at, &compared, &detected)?;
             if !wild.is_empty() {
-                (at, compared) = self.converged(at.without(&wild), &deviations(&detected))?;
+                (at, compared) = self.model.converged(self.readings_t, at.without(&wild), &deviations(&detected))?;
                 // Errors that wild readings suggested or hid are tested anew.
                 visited = vec![sorted(&detected)];
                 continue;
@@ -95,7 +85,7 @@ impl Search<'_> {
             }
             detected = next;
             visited.push(sorted(&detected));
-            (at, compared) = self.converged(at, &deviations(&detected))?;
+            (at, compared) = self.model.converged(self.readings_t, at, &deviations(&detected))?;
         };
         let mut tested = detected
             .iter()
@@ -225,7 +215,7 @@ impl Search<'_> {
             return Ok(None);
         }
         let fit = PriorFit::new(&at.gram, &compared.projected, &self.model.unknowns.with_detected(&[]))?;
-        let all = self.model.linearized(at.state.clone(), usable, None)?;
+        let all = self.model.linearized(at.state.clone(), at.slope_of, usable, None)?;
         let residuals = self.model.compared(&all, self.readings_t).whitened;
         let is_suspicious = |reading: &usize| {
             let row = 3 * reading;
@@ -261,47 +251,6 @@ impl Search<'_> {
             self.candidates.iter().copied().filter(|error| !detected.contains(error)).collect();
         let components: Vec<Vec<usize>> = others.iter().map(|other| self.model.unknowns.of_error(*other)).collect();
         others.into_iter().zip(fit.scores(&components)).collect()
-    }
-
-    /// The model at the fit of all unknowns, by Gauss-Newton steps.
-    pub(crate) fn converged(
-        &self,
-        from: Linearized,
-        deviations: &[f64],
-    ) -> Result<(Linearized, Compared), DiagnosisError> {
-        let mut values = self.model.values(&from.state);
-        // Errors no longer identified get their expected values or vanish.
-        values.iter_mut().zip(deviations).filter(|(_, d)| **d == 0.0).for_each(|(value, _)| *value = 0.0);
-        let state = self.model.state(&from.state, &values);
-        let is_used = from.is_used.clone();
-        let mut at = if state == from.state { from } else { self.model.linearized(state, &is_used, Some(&from))? };
-        let objective = |compared: &Compared, values: &nalgebra::DVector<f64>| {
-            let prior =
-                |(value, deviation): (&f64, &f64)| if *deviation > 0.0 { (value / deviation).powi(2) } else { 0.0 };
-            compared.chi_squared + values.iter().zip(deviations).map(prior).sum::<f64>()
-        };
-        let mut compared = self.model.compared(&at, self.readings_t);
-        let readings = (3 * is_used.iter().filter(|is_used| **is_used).count()) as f64;
-        for _ in 0..MOST_STEPS {
-            let fit = PriorFit::new(&at.gram, &compared.projected, deviations)?;
-            let now = objective(&compared, &values);
-            if fit.gain(&values) < LEAST_GAIN * (now / readings).max(1.0) {
-                break;
-            }
-            let step = &fit.estimate - &values;
-            let mut share = 1.0;
-            let better = (0..MOST_HALVINGS).find_map(|_| {
-                let next = &values + &step * share;
-                share *= 0.5;
-                // A step to invalid tiles or points is too long.
-                let there = self.model.linearized(self.model.state(&at.state, &next), &is_used, Some(&at)).ok()?;
-                let compared = self.model.compared(&there, self.readings_t);
-                (objective(&compared, &next) < now).then_some((next, there, compared))
-            });
-            let Some((next, there, next_compared)) = better else { break };
-            (values, at, compared) = (next, there, next_compared);
-        }
-        Ok((at, compared))
     }
 }
 

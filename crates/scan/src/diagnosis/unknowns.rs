@@ -100,6 +100,12 @@ impl Unknowns {
         deviations
     }
 
+    /// Whether tiles or groups have expected errors.
+    pub(crate) fn expects_errors(&self) -> bool {
+        let mut all = self.list.iter().zip(&self.expected);
+        all.any(|(unknown, deviation)| !matches!(unknown, Unknown::Scan(_)) && *deviation > 0.0)
+    }
+
     /// Number of unknowns of the scan.
     pub(crate) fn of_scan(&self) -> usize {
         self.list.iter().filter(|unknown| matches!(unknown, Unknown::Scan(_))).count()

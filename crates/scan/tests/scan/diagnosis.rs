@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use glam::{DQuat, DVec3};
 use magsplice_field::Scene;
 use magsplice_layout::{Distribution, FilmTolerance, Layout, Preset, TileErrors};
-use magsplice_magnet::{Axis, Quantity, Tile, TileError};
+use magsplice_magnet::{Axis, Grid, Quantity, Tile, TileError};
 use magsplice_scan::{
     Candidate, Diagnosis, DiagnosisError, DiagnosisSettings, ErrorKind, Exclusion, FieldScan, FreeParameters,
     NarrowedError, ScanDiagnosis, ScanParameters, SimilarErrors,
@@ -240,6 +240,32 @@ fn films_made_by_hand_have_no_faulty_tiles_and_no_wild_readings() {
         assert_eq!((candidates(&found), excluded), (vec![], vec![wild]), "film {seed}");
         assert!(!found.is_residual_too_large(), "film {seed}");
     }
+}
+
+/// Far from a film made by hand, strength and height look alike, and errors of the tiles look like
+/// both. The strengths have no bias: their sum is 0 within three deviations. The least sum of
+/// squares has 12 of them.
+#[test]
+fn strengths_far_from_films_made_by_hand_have_no_bias() {
+    const FILMS: u32 = 6;
+    const NOISE_T: f64 = 1.5e-6;
+    let ordered = film();
+    let expected = FilmTolerance::of_tiles(&Preset::ByHand.errors(), ordered.len());
+    let grid = Grid::new(DVec3::new(-2.0, -2.0, -5.0), DVec3::new(2.0, 2.0, -3.0), [5, 5, 3]).unwrap();
+    let points_mm: Vec<DVec3> = grid.points().collect();
+    let scan = FieldScan { points_mm: points_mm.clone(), noise_t: DVec3::splat(NOISE_T) };
+    let settings =
+        DiagnosisSettings { expected: expected.clone(), free: FreeParameters::ALL, ..DiagnosisSettings::default() };
+    let model = ScanDiagnosis::new(&ordered, scan, settings, ScanParameters::PERFECT).unwrap();
+    let mut sum = 0.0;
+    for seed in 0..FILMS {
+        let tiles = RealFilm::new(&ordered, &expected).sample_tiles(u64::from(seed), 0).unwrap();
+        let mut random = ChaCha8Rng::seed_from_u64(u64::from(seed));
+        let found = model.diagnose(&readings(&tiles, &points_mm, NOISE_T, &mut random), |_| {}).unwrap();
+        assert!(!found.is_biased && !found.is_residual_too_large(), "film {seed}");
+        sum += (found.scan.strength - 1.0) / found.scan_deviations.strength;
+    }
+    assert!(sum.abs() < 3.0 * f64::from(FILMS).sqrt(), "{sum}");
 }
 
 /// Noise of twice the specified deviation has a chi squared of four times the number of readings.
