@@ -1,5 +1,7 @@
 //! Least-squares fit of the unknown parameters of a measured scan to the field of the tiles.
 
+use std::ops::RangeInclusive;
+
 use glam::DVec3;
 use magsplice_field::Scene;
 use magsplice_sensor::SensedField;
@@ -10,6 +12,7 @@ use crate::least_squares::{MADE_RESIDUAL, Scan, ScanFit};
 use crate::parameters::{FreeParameters, ScanParameter, ScanParameters};
 use crate::signed_axes::SignedAxes;
 use crate::starts::{SIMILAR, Search, Start, starts};
+use crate::units::{FLUX_DENSITIES, LENGTHS};
 
 /// Number of standard deviations from the fit beyond which a component is an outlier. Among a
 /// million normal errors, one exceeds five standard deviations in half of all scans, and six in one
@@ -69,8 +72,9 @@ const CERTAIN: f64 = 4.0;
 /// makes up for readings in another unit.
 const MOST_OFFSET: f64 = 0.5;
 
-/// Units in which positions are given by mistake, and their lengths in the unit of the tiles.
-const UNITS: [(&str, f64); 4] = [("inches", 25.4), ("centimetres", 10.0), ("metres", 1e3), ("micrometres", 1e-3)];
+/// Strengths of a film that was made, over the strength of its layout: magnets of half or twice the
+/// strength were not ordered.
+pub const PLAUSIBLE_STRENGTHS: RangeInclusive<f64> = 0.5..=2.0;
 
 /// The field of a film for the fit of a scan.
 #[derive(Clone, Debug)]
@@ -159,22 +163,28 @@ pub fn fit_scan<'a>(
         Some(fit) if is_expected(&fit) => Ok(fit),
         oriented => better(from(&Start::PERFECT), oriented),
     };
+    // With the strength held, errors of the tiles do not look like another unit.
+    let held = FreeParameters { strength: false, ..free };
+    let fits = |lengths: f64, unit: f64, most_t: f64| -> Option<f64> {
+        let points: Vec<DVec3> = points.iter().map(|point| lengths * *point).collect();
+        let readings_t: Vec<DVec3> = readings_t.iter().map(|reading_t| unit * *reading_t).collect();
+        let starts = [Some(Start::PERFECT), centred(&points, centre)].into_iter().flatten();
+        let fits = starts.filter_map(|start| fit_from(searched, &points, &readings_t, &unusable, held, &start).ok());
+        let plausible = fits.filter(|fit| is_plausible(fit, &readings_t, unit * most_t));
+        plausible.map(|fit| fit.noise_t / unit).min_by(f64::total_cmp)
+    };
     if !best.as_ref().is_ok_and(is_expected) && free.start {
-        // With the strength held, errors of the tiles do not look like another unit.
-        let held = FreeParameters { strength: false, ..free };
         let most_t = best.as_ref().map_or(f64::INFINITY, |fit| BETTER * fit.noise_t);
-        let is_explained = |length: f64| {
-            let scaled: Vec<DVec3> = points.iter().map(|point| length * *point).collect();
-            let fits = [Some(Start::PERFECT), centred(&scaled, centre)].into_iter().flatten();
-            let mut fits =
-                fits.filter_map(|start| fit_from(searched, &scaled, &readings_t, &unusable, held, &start).ok());
-            fits.any(|fit| {
-                let explained_t = MOST_RESIDUAL * root_mean_square(&fit, &readings_t);
-                fit.parameters.rotation_rad.length() < CLOSE && fit.noise_t <= most_t.min(explained_t)
-            })
-        };
-        if let Some((unit, length)) = UNITS.into_iter().find(|(_, length)| is_explained(*length)) {
+        let unit = LENGTHS.into_iter().find(|(_, length)| fits(*length, 1.0, most_t).is_some());
+        if let Some((unit, length)) = unit {
             return Err(ScanError::Unit { unit, length });
+        }
+    }
+    if !best.as_ref().is_ok_and(|fit| PLAUSIBLE_STRENGTHS.contains(&fit.parameters.strength)) {
+        let most_t = best.as_ref().map_or(f64::INFINITY, |fit| HELD * fit.noise_t);
+        let fitting = FLUX_DENSITIES.into_iter().filter_map(|of| Some((of, fits(1.0, of.0, most_t)?)));
+        if let Some(((unit, example), _)) = fitting.min_by(|a, b| a.1.total_cmp(&b.1)) {
+            return Err(ScanError::ReadingUnit { unit, example });
         }
     }
     for search in [Search::Stage, Search::Shifts] {
@@ -244,7 +254,6 @@ pub fn fit_determined<'a>(
     let noise_t = (sensor.deviation_t() / sensor.gain.abs()).max_element();
     let scaled_t: Vec<DVec3> =
         readings_t.iter().map(|reading_t| (*reading_t - sensor.offset_t) / sensor.gain).collect();
-    let is_plausible = |held: &ScanFit| held.offset_t().abs().max_element() <= MOST_OFFSET * rms_t(&scaled_t);
     let fitted = |free| fit_scan(field.clone(), points, readings_t, free, centre);
     let share = |fit: &ScanFit| fit.noise_t / root_mean_square(fit, &scaled_t);
     let is_small = |fit: &ScanFit| match noise_t > 0.0 {
@@ -262,7 +271,7 @@ pub fn fit_determined<'a>(
     }
     let most_t = all.as_ref().map_or(f64::INFINITY, |fit| HELD * fit.noise_t);
     match fitted(FreeParameters::HELD_STRENGTH) {
-        Ok(held) if held.noise_t <= most_t && share(&held) <= MOST_RESIDUAL && is_plausible(&held) => {
+        Ok(held) if held.noise_t <= most_t && share(&held) <= MOST_RESIDUAL && has_small_offset(&held, &scaled_t) => {
             Ok((held, FreeParameters::HELD_STRENGTH))
         }
         _ => Ok((all?, FreeParameters::ALL)),
@@ -301,6 +310,19 @@ fn is_expected(fit: &ScanFit, readings_t: &[DVec3], noise_t: f64) -> bool {
     let is_close = (strength - 1.0).abs() < CLOSE && rotation_rad.length() < CLOSE;
     let is_small = fit.noise_t <= noise_t || residual <= SMALL_RESIDUAL;
     (strength > 0.0 && is_small) || (is_close && residual <= MADE_RESIDUAL)
+}
+
+/// Whether a fit in another unit explains the readings, with a residual up to `most_t`, hardly a
+/// rotation and no offset in place of the field.
+fn is_plausible(fit: &ScanFit, readings_t: &[DVec3], most_t: f64) -> bool {
+    fit.parameters.rotation_rad.length() < CLOSE
+        && fit.noise_t <= most_t.min(MOST_RESIDUAL * root_mean_square(fit, readings_t))
+        && has_small_offset(fit, readings_t)
+}
+
+/// Whether the offset of a fit does not make up for readings in another unit.
+fn has_small_offset(fit: &ScanFit, readings_t: &[DVec3]) -> bool {
+    fit.offset_t().abs().max_element() <= MOST_OFFSET * rms_t(readings_t)
 }
 
 /// Root mean square of a component of the finite readings.

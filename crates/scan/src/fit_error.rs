@@ -76,6 +76,17 @@ pub enum ScanError {
         /// Its length in the unit of the tiles.
         length: f64,
     },
+    /// The readings fit the film in another unit.
+    #[error(
+        "the readings times {unit} fit the film: they have another unit, such as {example}, or the polarization in the \
+         layout is wrong"
+    )]
+    ReadingUnit {
+        /// The unit of the readings over the stated one.
+        unit: f64,
+        /// An example of the two units.
+        example: &'static str,
+    },
     /// The steps did not converge.
     #[error(
         "the fit does not converge: the positions may have errors of more than a quarter of a wavelength, or errors of \

@@ -37,16 +37,19 @@ mod sample_scan;
 mod signed_axes;
 /// Where a fit starts.
 mod starts;
+/// Units that are given by mistake.
+mod units;
 
 pub use diagnosis::{
     Candidate, DetectedError, Diagnosis, DiagnosisError, DiagnosisSettings, ErrorKind, FALSE_ALARM, FieldScan,
     FittedError, MOST_ERRORS, NarrowedError, ScanDiagnosis, SimilarErrors,
 };
 pub use exclusion::{Exclusion, Plateau};
-pub use fit::{KNOWN_NOISE, ScanField, fit_determined, fit_scan};
+pub use fit::{KNOWN_NOISE, PLAUSIBLE_STRENGTHS, ScanField, fit_determined, fit_scan};
 pub use fit_error::ScanError;
 pub use least_squares::ScanFit;
 pub use parameters::{FreeParameters, ScanParameter, ScanParameters};
 pub use positions::ScanPositions;
 pub use sample_scan::{SampleScan, SampleScanError};
 pub use signed_axes::SignedAxes;
+pub use units::FLUX_DENSITIES;

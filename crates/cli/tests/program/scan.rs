@@ -416,17 +416,21 @@ fn saturated_readings_are_excluded_and_named() {
 fn fits_that_are_hardly_those_of_the_film_are_named() {
     let sandbox = Sandbox::new();
     let film = sandbox.published_with("");
-    let lines: Vec<Vec<f64>> = field(&sandbox)
-        .iter()
-        .map(|row| row[..3].iter().copied().chain(row[3..6].iter().map(|b| 10.0 * b)).collect())
-        .collect();
-    write(&sandbox, "x_mm,y_mm,z_mm,bx_t,by_t,bz_t", &lines);
+    let scaled = |factor: f64| -> Vec<Vec<f64>> {
+        let rows = field(&sandbox);
+        rows.iter().map(|row| row[..3].iter().copied().chain(row[3..6].iter().map(|b| factor * b)).collect()).collect()
+    };
+    write(&sandbox, "x_mm,y_mm,z_mm,bx_t,by_t,bz_t", &scaled(3.0));
     let said = sandbox.run(&["scan", "scan.csv", "--layout", &film]);
-    assert!(
-        said.stderr.contains("scan.csv: the fitted strength is 10.000000 times the strength of the layout"),
-        "{}",
-        said.stderr
-    );
+    let strength = "scan.csv: the fitted strength is 3.000000 times the strength of the layout";
+    assert!(said.stderr.contains(strength), "{}", said.stderr);
+    write(&sandbox, "x_mm,y_mm,z_mm,bx_mt,by_mt,bz_mt", &scaled(1e4));
+    let unit = "scan.csv: the readings times 0.1 fit the film: they have another unit, such as gauss in a column of mT";
+    sandbox.run(&["scan", "scan.csv", "--layout", &film]).refuses(unit);
+    for options in [&[][..], &["--fit", "--preset", "workshop"]] {
+        let diagnose = ["diagnose", &film, "--scan", "scan.csv", "--noise", "5uT"];
+        sandbox.run(&[&diagnose, options].concat()).refuses(unit);
+    }
     sandbox.published_with("[sensor]\nnoise_ut = 1");
     let lines: Vec<Vec<f64>> = field(&sandbox)
         .iter()

@@ -8,7 +8,7 @@ use magsplice_layout::{FilmTolerance, Layout, Preset};
 use magsplice_magnet::{Quantity, Tile, TileError};
 use magsplice_scan::{
     Candidate, DetectedError, Diagnosis, DiagnosisError, DiagnosisSettings, ErrorKind, Exclusion, FieldScan,
-    FreeParameters, MOST_ERRORS, NarrowedError, ScanDiagnosis,
+    FreeParameters, MOST_ERRORS, NarrowedError, ScanDiagnosis, ScanError,
 };
 use magsplice_sensor::Noise;
 use serde::Serialize;
@@ -180,6 +180,9 @@ impl Film {
             Some(_) => DVec3::NAN,
         };
         let mut field_t: Vec<DVec3> = readings_t.iter().zip(&unusable).map(field_t).collect();
+        if !readings_t.is_empty() && unusable.iter().all(Option::is_some) {
+            return Err(FilmError::Scan(ScanError::TooFew { readings: 0, excluded: unusable.len(), needed: 1 }));
+        }
         if self.recoil().is_some() {
             let [with_t, rigid_t] = [self, &Film::rigid(self.layout().clone())]
                 .map(|film| film.scene().field_at(Quantity::FluxDensity, points_mm).map_err(FilmError::Points));

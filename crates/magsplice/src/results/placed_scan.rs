@@ -54,14 +54,14 @@ impl<'a> PlacedScan<'a> {
     /// [`FilmError::Scan`] for a scan of another film, and [`FilmError::Points`] for points without
     /// a field.
     pub(super) fn start(&self, free: FreeParameters) -> Result<ScanParameters, FilmError> {
-        let fit = (free != FreeParameters::NONE)
-            .then(|| fit_scan(self.ordered, self.points_mm, self.field_t, free, self.centre_mm).ok())
-            .flatten();
+        let fit = match free {
+            FreeParameters::NONE => None,
+            FreeParameters::ALL => self.determined()?,
+            _ => in_stated_units(fit_scan(self.ordered, self.points_mm, self.field_t, free, self.centre_mm))?,
+        };
         if let Some(fit) = fit.as_ref().filter(|fit| self.is_otherwise(fit)) {
-            // With the strength held, as a scan states it.
-            let determined = fit_determined(self.ordered, self.points_mm, self.field_t, self.centre_mm);
-            let fit = determined.as_ref().map_or(fit, |(fit, _)| fit);
-            return Err(FilmError::Misplaced(Box::new(self.placement(fit))));
+            let determined = self.determined()?;
+            return Err(FilmError::Misplaced(Box::new(self.placement(determined.as_ref().unwrap_or(fit)))));
         }
         let start = fit.map_or(ScanParameters::PERFECT, |fit| fit.parameters);
         let [residual_t, reading_t] = self.medians(&start)?;
@@ -76,10 +76,13 @@ impl<'a> PlacedScan<'a> {
     }
 
     /// Whether the sensor had other axes, those of a rotation too, or was on the other side of the
-    /// film.
+    /// film, or the film has a strength that this film hardly has.
     fn is_otherwise(&self, fit: &ScanFit) -> bool {
         let placement = FittedScan::new(&fit.parameters, fit.offset_t());
-        !fit.has_stated_axes() || placement.rotated_axes().is_some() || self.is_across(fit)
+        !fit.has_stated_axes()
+            || placement.rotated_axes().is_some()
+            || placement.implausible_strength().is_some()
+            || self.is_across(fit)
     }
 
     fn is_across(&self, fit: &ScanFit) -> bool {
@@ -91,18 +94,20 @@ impl<'a> PlacedScan<'a> {
         SensorPlacement::new(fit, self.is_across(fit))
     }
 
+    /// The fit as a scan states it, with the strength held where errors of tiles look like it.
+    fn determined(&self) -> Result<Option<ScanFit>, FilmError> {
+        let fit = fit_determined(self.ordered, self.points_mm, self.field_t, self.centre_mm);
+        in_stated_units(fit.map(|(fit, _)| fit))
+    }
+
     /// The placement of the sensor that explains the scan, if it leaves much less than a residual.
     ///
     /// # Errors
-    /// [`FilmError::Scan`] for positions in another unit.
+    /// [`FilmError::Scan`] for positions or readings in another unit.
     pub(super) fn explaining(&self, residual_t: f64) -> Result<Option<SensorPlacement>, FilmError> {
-        let fit = fit_determined(self.ordered, self.points_mm, self.field_t, self.centre_mm).map(|(fit, _)| fit);
-        if let Err(error @ ScanError::Unit { .. }) = fit {
-            return Err(FilmError::Scan(error));
-        }
         let excess = |residual_t: f64| residual_t.powi(2) - self.noise_squared;
         let explains = |fit: &ScanFit| excess(fit.noise_t) < EXPLAINED * excess(residual_t);
-        Ok(fit.ok().filter(explains).map(|fit| self.placement(&fit)))
+        Ok(self.determined()?.filter(explains).map(|fit| self.placement(&fit)))
     }
 
     /// Residual and reading of one component, in tesla, from the medians of their squares, in which
@@ -121,5 +126,16 @@ impl<'a> PlacedScan<'a> {
             squares.sort_by(f64::total_cmp);
             squares.get(squares.len() / 2).map_or(0.0, |square| square.sqrt())
         }))
+    }
+}
+
+/// A fit, if there is one.
+///
+/// # Errors
+/// [`FilmError::Scan`] for positions or readings in another unit.
+fn in_stated_units(fit: Result<ScanFit, ScanError>) -> Result<Option<ScanFit>, FilmError> {
+    match fit {
+        Err(error @ (ScanError::Unit { .. } | ScanError::ReadingUnit { .. })) => Err(FilmError::Scan(error)),
+        fit => Ok(fit.ok()),
     }
 }

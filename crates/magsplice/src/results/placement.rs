@@ -1,18 +1,13 @@
 //! Where the sensor of a scan was, and how it was turned.
 
 use std::fmt;
-use std::ops::RangeInclusive;
 
 use glam::{DMat3, DQuat, DVec3};
 use magsplice_magnet::Tile;
-use magsplice_scan::{ScanFit, ScanParameters, SignedAxes};
+use magsplice_scan::{PLAUSIBLE_STRENGTHS, ScanFit, ScanParameters, SignedAxes};
 use serde::Serialize;
 
 use super::significant::number;
-
-/// Strengths of a film that was made, over the strength of its layout: magnets of half or twice the
-/// strength were not ordered.
-const PLAUSIBLE_STRENGTHS: RangeInclusive<f64> = 0.5..=2.0;
 
 /// Angle from a rotation to the nearest exchange of axes up to which axes are likely exchanged:
 /// sensors are soldered and clamped to a few degrees.
@@ -116,6 +111,8 @@ impl fmt::Display for SensorPlacement {
             write!(f, "; {rotated}")?;
         } else if self.is_across {
             return Ok(());
+        } else if let Some(implausible) = self.fitted.implausible_strength() {
+            return write!(f, "; {implausible}");
         } else if [self.sensor_axes, self.stage_axes] == [SignedAxes::SAME; 2] {
             return f.write_str(": fit them with the errors of tiles");
         }

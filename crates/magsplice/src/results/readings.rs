@@ -4,7 +4,7 @@ use glam::DVec3;
 use magsplice_decouple::{Branch, Parameters};
 use magsplice_layout::Elastomer;
 use magsplice_magnet::Grid;
-use magsplice_scan::SignedAxes;
+use magsplice_scan::{FLUX_DENSITIES, SignedAxes};
 use magsplice_sensor::{LocateError, Located, Locator, Noise, SensedField, mean_at_rest};
 use serde::Serialize;
 
@@ -73,9 +73,6 @@ const EXPLAINED: f64 = 0.9;
 /// Least and largest number of readings without a position in the volume that are tried.
 const TRIED: [usize; 2] = [3, 20];
 
-/// Factors between units of flux density.
-const UNITS: [f64; 8] = [1e-3, 1e3, 0.1, 10.0, 1e-4, 1e4, 1e-6, 1e6];
-
 /// Difference of readings at rest from the field, in microtesla, that stray fields and offsets of
 /// sensors hardly have.
 const MOST_ZERO_UT: f64 = 200.0;
@@ -120,9 +117,11 @@ fn hint(
         let has_position = |found: &&Result<Located, LocateError>| Located::of(found).is_some() && !is_lost(found);
         locator.locate(&changed).iter().filter(has_position).count() as f64 >= EXPLAINED * tried.len() as f64
     };
-    let unit = UNITS.into_iter().find(|factor| are_explained(&|reading_t| *factor * reading_t));
-    if let Some(factor) = unit {
-        return Some(format!("readings times {factor} have positions in the volume: their unit is another one"));
+    let unit = FLUX_DENSITIES.into_iter().find(|(unit, _)| are_explained(&|reading_t| *unit * reading_t));
+    if let Some((unit, example)) = unit {
+        return Some(format!(
+            "readings times {unit} have positions in the volume: their unit is another one, such as {example}"
+        ));
     }
     let axes = SignedAxes::all().into_iter().skip(1);
     let mut explaining = axes.filter(|axes| are_explained(&|reading_t| axes.inverse().apply(reading_t)));

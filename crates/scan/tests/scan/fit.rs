@@ -184,6 +184,13 @@ fn strength_is_held_where_errors_of_tiles_look_like_it() {
         let ScanParameters { strength, start, rotation_rad, .. } = fit.parameters;
         assert_eq!((free, strength), (FreeParameters::HELD_STRENGTH, 1.0), "film {index}");
         assert!(start.length() < 0.3 && rotation_rad.length() < 0.1, "film {index}: {start} {rotation_rad}");
+        // In gauss, where millitesla are stated.
+        if index > 2 {
+            continue;
+        }
+        let gauss: Vec<DVec3> = readings_t.iter().map(|reading_t| 10.0 * *reading_t).collect();
+        let refused = fit_determined(&scene, &points, &gauss, centre);
+        assert!(matches!(refused, Err(ScanError::ReadingUnit { unit: 0.1, .. })), "film {index}: {refused:?}");
     }
 }
 
