@@ -182,7 +182,19 @@ pub fn fit_scan<'a>(
     }
     if !best.as_ref().is_ok_and(|fit| PLAUSIBLE_STRENGTHS.contains(&fit.parameters.strength)) {
         let most_t = best.as_ref().map_or(f64::INFINITY, |fit| HELD * fit.noise_t);
-        let fitting = FLUX_DENSITIES.into_iter().filter_map(|of| Some((of, fits(1.0, of.0, most_t)?)));
+        // As large as the field where a scan likely was: another film may fit at another height.
+        let places = [Some(Start::PERFECT), centred(points, centre)].into_iter().flatten();
+        let fields_t = places.filter_map(|start| {
+            let places: Vec<DVec3> = points.iter().map(|point| *point + start.parameters.start).collect();
+            searched.readings_t(&places).ok().map(|field_t| rms_t(&field_t))
+        });
+        let fields_t: Vec<f64> = fields_t.collect();
+        let is_as_large = |unit: f64| {
+            let read_t = unit * rms_t(&readings_t);
+            fields_t.iter().any(|field_t| PLAUSIBLE_STRENGTHS.contains(&(read_t / field_t)))
+        };
+        let units = FLUX_DENSITIES.into_iter().filter(|(unit, _)| is_as_large(*unit));
+        let fitting = units.filter_map(|of| Some((of, fits(1.0, of.0, most_t)?)));
         if let Some(((unit, example), _)) = fitting.min_by(|a, b| a.1.total_cmp(&b.1)) {
             return Err(ScanError::ReadingUnit { unit, example });
         }

@@ -91,6 +91,14 @@ impl SignedAxes {
         names.into_iter().chain(gains).collect::<Vec<_>>().join(", ")
     }
 
+    /// What makes positions with these axes those that are stated.
+    pub fn remedy_of_positions(self) -> &'static str {
+        match self == SignedAxes::DOWNWARDS {
+            true => "change their columns, or if one plane was scanned from another origin of z, its origin",
+            false => "change their columns",
+        }
+    }
+
     /// The axes as three words: `-y` for the reversed y axis.
     pub fn names(self) -> [String; 3] {
         [0, 1, 2].map(|i| format!("{}{}", if self.is_reversed[i] { "-" } else { "" }, self.axes[i]))

@@ -61,8 +61,9 @@ pub struct FilmDiagnosis {
     pub degrees_of_freedom: usize,
     /// Whether the residual is too large for the noise.
     pub is_residual_too_large: bool,
-    /// Whether errors of tiles do not explain the scan: the residual is too large, or an error is
-    /// larger than a tile can have.
+    /// Whether errors of tiles do not explain the scan: the residual is too large, an error is
+    /// larger than a tile can have, or the strength is not that of this film. `scan` is then that of
+    /// a wrong model.
     pub is_rejected: bool,
     /// Typical errors of every tile that explain the scan with less than half as many errors of
     /// single tiles, where no errors are expected: no tile is reported then.
@@ -199,6 +200,7 @@ impl Film {
         let has_expected_errors = expected != FilmTolerance::default();
         let ordered = Scene::new(&tiles);
         let placed = PlacedScan::new(&tiles, &ordered, points_mm, &field_t, noise_t, self.centre_mm());
+        self.tell(Stage::uncounted("fitting the place of the scan"));
         let mut start = placed.start(free)?;
         // The positions count from the fitted start, which the prior of the start is about.
         let origin_mm = std::mem::take(&mut start.start);
@@ -259,7 +261,9 @@ impl Film {
             is_about_j: is_about_j(self.layout(), of),
         };
         let is_residual_too_large = diagnosis.is_residual_too_large();
-        let is_impossible = is_residual_too_large || !diagnosis.has_possible_errors(&tiles);
+        let scan = FittedScan::new(&diagnosis.scan, diagnosis.scan.offset_t);
+        let is_impossible =
+            is_residual_too_large || !diagnosis.has_possible_errors(&tiles) || scan.implausible_strength().is_some();
         let is_open = is_impossible && made_as.is_none();
         let placement = is_open.then(|| placed.explaining(diagnosis.residual_t())).transpose()?.flatten();
         // Where errors of single tiles explain no scan, one may remain beside typical errors.
@@ -282,7 +286,7 @@ impl Film {
             has_expected_errors,
             faulty: listed.iter().map(faulty).collect(),
             is_complete: diagnosis.is_complete,
-            scan: FittedScan::new(&diagnosis.scan, diagnosis.scan.offset_t),
+            scan,
             scan_deviation: FittedScan::new(&diagnosis.scan_deviations, diagnosis.scan_deviations.offset_t),
             residual_t: diagnosis.residual_t(),
             chi_squared: diagnosis.chi_squared,
@@ -323,13 +327,23 @@ impl FilmDiagnosis {
         });
         let placement = self.placement.as_ref().map(ToString::to_string);
         let strength = self.scan.implausible_strength();
+        let is_blind = self.diagnosis.narrowed.iter().all(NarrowedError::is_unresolved);
+        let blind = is_blind.then(|| "the scan resolves no error of any tile: faulty tiles may be there".to_owned());
         let biased = self.diagnosis.is_biased.then(|| {
             "expected errors of the tiles bias what is fitted of the scan, by more than the stated deviations: fit \
              readings nearer to the film, or hold the strength"
                 .to_owned()
         });
         let plateau = self.excluded.remark();
-        plateau.into_iter().chain(strength).chain(biased).chain(made_as).chain(residual).chain(placement).collect()
+        plateau
+            .into_iter()
+            .chain(blind)
+            .chain(strength)
+            .chain(biased)
+            .chain(made_as)
+            .chain(residual)
+            .chain(placement)
+            .collect()
     }
 
     /// `chi_squared` over its expectation.
@@ -373,6 +387,9 @@ pub(super) fn made_layout(original: &Layout, tiles: &[Tile]) -> Layout {
 fn in_words(detected: &DetectedError) -> String {
     let magnitude = detected.magnitude();
     match detected.candidate.kind {
+        ErrorKind::Strength if magnitude < -1.0 => {
+            format!("reversed, with {} % of its strength", rounded(-100.0 * (1.0 + magnitude), 2))
+        }
         ErrorKind::Strength if magnitude < 0.0 => format!("{} % too weak", rounded(-100.0 * magnitude, 2)),
         ErrorKind::Strength => format!("{} % too strong", rounded(100.0 * magnitude, 2)),
         ErrorKind::Turn => format!("turned by {} deg", rounded(magnitude.to_degrees(), 2)),

@@ -19,7 +19,7 @@ const MISPLACED: f64 = 0.1;
 
 /// The same above which errors of tiles explain no scan. Errors of all tiles of films made by hand
 /// leave a tenth.
-const HOPELESS: f64 = 0.5;
+const HOPELESS: f64 = 0.2;
 
 /// A scan of the field of a film as ordered. Readings that are not used are NaN.
 pub(super) struct PlacedScan<'a> {
@@ -64,11 +64,16 @@ impl<'a> PlacedScan<'a> {
             return Err(FilmError::Misplaced(Box::new(self.placement(determined.as_ref().unwrap_or(fit)))));
         }
         let start = fit.map_or(ScanParameters::PERFECT, |fit| fit.parameters);
-        let [residual_t, reading_t] = self.medians(&start)?;
+        let medians =
+            self.medians(&start).or_else(|error| match self.determined()?.filter(|fit| self.is_otherwise(fit)) {
+                Some(fit) => Err(FilmError::Misplaced(Box::new(self.placement(&fit)))),
+                None => Err(error),
+            });
+        let [residual_t, reading_t] = medians?;
         let placement = (residual_t > MISPLACED * reading_t).then(|| self.explaining(residual_t)).transpose()?;
         match placement.flatten() {
             Some(placement) => Err(FilmError::Misplaced(Box::new(placement))),
-            None if residual_t > HOPELESS * reading_t => {
+            None if residual_t > HOPELESS * reading_t && !self.is_of_one_tile(&start)? => {
                 Err(FilmError::Scan(ScanError::Misfit { residual_t, reading_t }))
             }
             None => Ok(start),
@@ -108,6 +113,30 @@ impl<'a> PlacedScan<'a> {
         let excess = |residual_t: f64| residual_t.powi(2) - self.noise_squared;
         let explains = |fit: &ScanFit| excess(fit.noise_t) < EXPLAINED * excess(residual_t);
         Ok(self.determined()?.filter(explains).map(|fit| self.placement(&fit)))
+    }
+
+    /// Whether another strength of one tile, such as a reversed one, explains half of the residual.
+    fn is_of_one_tile(&self, start: &ScanParameters) -> Result<bool, FilmError> {
+        let places: Vec<DVec3> = self.points_mm.iter().map(|point| *point + start.start).collect();
+        let read_t = |scene: &Scene| -> Result<Vec<DVec3>, FilmError> {
+            let field_t = scene.field_at(Quantity::FluxDensity, &places).map_err(FilmError::Points)?;
+            let of = field_t.into_iter().map(|b| start.reading_t(b) - start.offset_t);
+            Ok(of.zip(self.field_t).map(|(of, read)| if read.is_finite() { of } else { DVec3::ZERO }).collect())
+        };
+        let dot = |a: &[DVec3], b: &[DVec3]| a.iter().zip(b).map(|(a, b)| a.dot(*b)).sum::<f64>();
+        let ordered_t = read_t(self.ordered)?;
+        let residual = |(read, of): (&DVec3, &DVec3)| {
+            if read.is_finite() { *read - start.offset_t - *of } else { DVec3::ZERO }
+        };
+        let residuals_t: Vec<DVec3> = self.field_t.iter().zip(&ordered_t).map(residual).collect();
+        let all = dot(&residuals_t, &residuals_t);
+        for tile in self.tiles {
+            let of_tile = read_t(&Scene::new(std::slice::from_ref(tile)))?;
+            if dot(&residuals_t, &of_tile).powi(2) > 0.5 * all * dot(&of_tile, &of_tile) {
+                return Ok(true);
+            }
+        }
+        Ok(false)
     }
 
     /// Residual and reading of one component, in tesla, from the medians of their squares, in which

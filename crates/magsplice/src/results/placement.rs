@@ -120,7 +120,7 @@ impl fmt::Display for SensorPlacement {
             write!(f, "; axes of the sensor: {}: {}", self.sensor_axes, self.sensor_axes.remedy())?;
         }
         if self.stage_axes != SignedAxes::SAME {
-            write!(f, "; axes of the positions: {}: change their columns", self.stage_axes)?;
+            write!(f, "; axes of the positions: {}: {}", self.stage_axes, self.stage_axes.remedy_of_positions())?;
         }
         Ok(())
     }

@@ -273,7 +273,7 @@ impl FilmScan {
         let of_sensor = (self.sensor_axes != SignedAxes::SAME)
             .then(|| format!("axes of the sensor: {}: {}", self.sensor_axes, self.sensor_axes.remedy()));
         let of_stage = (self.stage_axes != SignedAxes::SAME)
-            .then(|| format!("axes of the positions: {}: change their columns", self.stage_axes));
+            .then(|| format!("axes of the positions: {}: {}", self.stage_axes, self.stage_axes.remedy_of_positions()));
         of_sensor.into_iter().chain(self.fitted.rotated_axes()).chain(of_stage).collect()
     }
 

@@ -75,7 +75,8 @@ class Diagnosis(OfFilm, Table):
     is_residual_too_large: bool = key("Whether the residual exceeds noise and errors of tiles.")
     is_rejected: bool = key(
         """Whether errors of tiles do not explain the scan: the residual is too large, or an error
-        is larger than a tile can have."""
+        is larger than a tile can have, or the strength than the film. `scan` is then that of a
+        wrong model."""
     )
     made_as: Preset | None = key(
         """Preset whose typical errors of every tile explain the scan with less than half as many

@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 use magsplice_field::Scene;
-use magsplice_magnet::{PerTileError, Quantity, Tile, TileError};
+use magsplice_magnet::{DirectionError, PerTileError, Quantity, Tile, TileError};
 use magsplice_tolerance::{RealFilm, TileResponse};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -34,20 +34,12 @@ pub(crate) struct ScanModel {
     pub(crate) unknowns: Unknowns,
 }
 
-/// The film whose field gives the derivatives by parameters of the scan.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum SlopeOf {
-    /// The film of the state: the derivatives are exact.
-    State,
-    /// The film as ordered, if errors are expected.
-    Ordered,
-}
-
 /// The model at one state, as a linear function of the unknowns around it.
 #[derive(Clone, Debug)]
 pub(crate) struct Linearized {
     pub(crate) state: State,
-    pub(crate) slope_of: SlopeOf,
+    /// Where the derivatives are taken, if not at the state.
+    pub(crate) slopes_at: Option<State>,
     /// Whether each reading is used. Derivatives of the others are 0.
     pub(crate) is_used: Vec<bool>,
     /// The readings of the scan's sensor at the points for this film.
@@ -86,44 +78,69 @@ impl ScanModel {
         Ok(self)
     }
 
-    /// The model of the used readings at a state. Derivatives by tiles unchanged since `before` are
-    /// reused.
+    /// Places of the readings.
+    fn places(&self, state: &State) -> Vec<DVec3> {
+        let start = state.scan_parameters().start;
+        self.points.iter().map(|point| *point + start).collect()
+    }
+
+    /// The sum of the squared residuals of used readings at a state, each over the square of the
+    /// noise.
+    pub(crate) fn chi_squared(
+        &self,
+        state: &State,
+        is_used: &[bool],
+        readings_t: &[DVec3],
+    ) -> Result<f64, DiagnosisError> {
+        let scene = Scene::new(&self.tiles(state)?);
+        let field_t = scene.field_at(Quantity::FluxDensity, &self.places(state)).map_err(DiagnosisError::Points)?;
+        let scan = state.scan_parameters();
+        let used = readings_t.iter().zip(field_t).zip(is_used).filter(|(_, is_used)| **is_used);
+        Ok(used.map(|((read_t, b), _)| ((*read_t - scan.reading_t(b)) / self.noise_t).length_squared()).sum())
+    }
+
+    /// The model of the used readings at a state. The derivatives are those at `slopes_at`, a film
+    /// in the same scan, or else exact. Derivatives by tiles unchanged since `before` are reused.
     pub(crate) fn linearized(
         &self,
         state: State,
-        slope_of: SlopeOf,
+        slopes_at: Option<State>,
         is_used: &[bool],
         before: Option<&Linearized>,
     ) -> Result<Linearized, DiagnosisError> {
-        let tiles = self.film.tiles_with_errors(&state.tiles, &state.groups).map_err(DiagnosisError::Tile)?;
-        let scan = state.scan_parameters();
-        let places: Vec<DVec3> = self.points.iter().map(|point| *point + scan.start).collect();
+        let (tiles, places) = (self.tiles(&state)?, self.places(&state));
         let scene = Scene::new(&tiles);
         let field_t = scene.field_at(Quantity::FluxDensity, &places).map_err(DiagnosisError::Points)?;
+        let scan = state.scan_parameters();
+        let slopes = slopes_at.as_ref().unwrap_or(&state);
         let is_reusable = |before: &&Linearized| {
-            before.state.scan == state.scan && before.state.groups == state.groups && before.is_used == is_used
+            let known = before.slopes();
+            known.scan == slopes.scan && known.groups == slopes.groups && before.is_used == is_used
         };
         let before = before.filter(is_reusable);
-        let is_new = |tile: usize| before.is_none_or(|before| before.state.tiles[tile] != state.tiles[tile]);
+        let is_new = |tile: usize| before.is_none_or(|before| before.slopes().tiles[tile] != slopes.tiles[tile]);
+        let other = slopes_at.as_ref().map(|other| self.tiles(other)).transpose()?;
+        let (sloped, sloped_scene) = match &other {
+            Some(other) => (other, &Scene::new(other)),
+            None => (&tiles, &scene),
+        };
         let has_groups = self.unknowns.list.iter().any(|unknown| matches!(unknown, Unknown::Group { .. }));
         let responses: Vec<Option<TileResponse>> = (0..tiles.len())
             .into_par_iter()
             .map(|tile| match has_groups || is_new(tile) {
-                true => TileResponse::new(tile, &tiles[tile], &places).map(Some),
+                true => TileResponse::new(tile, &sloped[tile], &places).map(Some),
                 false => Ok(None),
             })
             .collect::<Result<_, _>>()?;
         let moves_scan =
             self.unknowns.list.iter().any(|unknown| matches!(unknown, Unknown::Scan(ScanParameter::Start(_))));
-        let is_ordered = slope_of == SlopeOf::Ordered && self.unknowns.expects_errors();
-        let ordered = is_ordered.then(|| Scene::new(self.film.tiles()));
-        let slope_t = match &ordered {
-            Some(ordered) => ordered.field_at(Quantity::FluxDensity, &places).map_err(DiagnosisError::Points)?,
+        let slope_t = match other {
+            Some(_) => sloped_scene.field_at(Quantity::FluxDensity, &places).map_err(DiagnosisError::Points)?,
             None => field_t.clone(),
         };
-        let gradient = match (moves_scan, ordered.as_ref().unwrap_or(&scene)) {
-            (true, film) => film.gradient_at(Quantity::FluxDensity, &places).map_err(DiagnosisError::Points)?,
-            (false, _) => Vec::new(),
+        let gradient = match moves_scan {
+            true => sloped_scene.gradient_at(Quantity::FluxDensity, &places).map_err(DiagnosisError::Points)?,
+            false => Vec::new(),
         };
         let back = scan.turn().inverse();
         let column = |index: usize| -> Option<Vec<f64>> {
@@ -132,10 +149,10 @@ impl ScanModel {
                 Unknown::Tile { tile, error } => {
                     responses[tile].as_ref().filter(|_| is_new(tile))?.add_derivative(
                         error,
-                        tiles[tile].position(),
+                        sloped[tile].position(),
                         &mut change_t,
                     );
-                    scale_strength(error, &state.tiles[tile], &mut change_t);
+                    at_nominal(error, &slopes.tiles[tile], &mut change_t);
                 }
                 Unknown::Group { group, error } => {
                     let tolerance = &self.film.tolerance().groups[group];
@@ -143,7 +160,7 @@ impl ScanModel {
                     for &tile in &tolerance.tiles {
                         responses[tile].as_ref()?.add_derivative(error, centre, &mut change_t);
                     }
-                    scale_strength(error, &state.groups[group], &mut change_t);
+                    at_nominal(error, &slopes.groups[group], &mut change_t);
                 }
                 Unknown::Scan(ScanParameter::Strength) => {
                     change_t.iter_mut().zip(&slope_t).for_each(|(change, b)| *change = *b / scan.strength);
@@ -175,7 +192,7 @@ impl ScanModel {
             fresh.into_iter().enumerate().map(|(index, column)| column.unwrap_or_else(|| old(index))).collect();
         let gram = products(&columns, before.map(|before| (&before.gram, &is_fresh[..])));
         let field_t = field_t.into_iter().map(|field_t| scan.reading_t(field_t)).collect();
-        Ok(Linearized { state, slope_of, is_used: is_used.to_vec(), field_t, columns, gram })
+        Ok(Linearized { state, slopes_at, is_used: is_used.to_vec(), field_t, columns, gram })
     }
 
     /// The tiles of a state.
@@ -201,6 +218,18 @@ impl ScanModel {
         DVector::from_iterator(self.unknowns.list.len(), self.unknowns.list.iter().map(|unknown| state.get(*unknown)))
     }
 
+    /// A state without its expected errors. Other deviations are those of identified errors.
+    pub(crate) fn without_expected(&self, state: &State, deviations: &[f64]) -> State {
+        let mut state = state.clone();
+        let Unknowns { list, expected } = &self.unknowns;
+        for (unknown, _) in list.iter().zip(expected).zip(deviations).filter(|((_, a), b)| a == b).map(|(of, _)| of) {
+            if !matches!(unknown, Unknown::Scan(_)) {
+                state.set(*unknown, 0.0);
+            }
+        }
+        state
+    }
+
     /// A state with these values of the unknowns.
     pub(crate) fn state(&self, from: &State, values: &DVector<f64>) -> State {
         let mut state = from.clone();
@@ -210,6 +239,11 @@ impl ScanModel {
 }
 
 impl Linearized {
+    /// Where the derivatives are taken.
+    fn slopes(&self) -> &State {
+        self.slopes_at.as_ref().unwrap_or(&self.state)
+    }
+
     /// The model without some of the readings.
     pub(crate) fn without(mut self, readings: &[usize]) -> Linearized {
         if readings.is_empty() {
@@ -224,12 +258,16 @@ impl Linearized {
     }
 }
 
-/// A response is the derivative by the actual strength of the tile; errors are fractions of the
-/// nominal strength.
-fn scale_strength(error: TileError, errors: &PerTileError<f64>, change_t: &mut [DVec3]) {
-    if error == TileError::Strength && errors.strength != 0.0 {
-        change_t.iter_mut().for_each(|change| *change /= 1.0 + errors.strength);
-    }
+/// A response is a derivative at the actual J. Errors are fractions of the nominal strength, and J
+/// of a reversed tile turns out of the plane the other way.
+fn at_nominal(error: TileError, errors: &PerTileError<f64>, change_t: &mut [DVec3]) {
+    let strength = 1.0 + errors.strength;
+    let factor = match error {
+        TileError::Strength if strength != 0.0 => strength.recip(),
+        TileError::Direction(DirectionError::OutOfPlane) => strength.signum(),
+        _ => return,
+    };
+    change_t.iter_mut().for_each(|change| *change *= factor);
 }
 
 /// The products of all pairs of columns. `known` are earlier products, and which columns have
@@ -265,4 +303,43 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
         }
     }
     sums.iter().sum::<f64>() + rest
+}
+
+#[cfg(test)]
+mod tests {
+    use magsplice_layout::{FilmTolerance, Preset};
+
+    use super::*;
+    use crate::parameters::{FreeParameters, ScanParameters};
+
+    /// Columns agree with central differences of the readings, for a reversed tile too. Steps of
+    /// 1e-5 leave differences of 1e-10 by the third derivative and 1e-11 by round-off.
+    #[test]
+    fn columns_are_derivatives_of_readings() {
+        let tile = |x: f64, j_t: DVec3| Tile::new(DVec3::new(x, 0.0, 0.5), DVec3::new(2.0, 1.5, 1.0), j_t).unwrap();
+        let tiles = [tile(-1.5, DVec3::new(0.1, 0.02, 0.05)), tile(1.0, DVec3::new(-0.03, 0.1, 0.0))];
+        let expected = FilmTolerance::of_tiles(&Preset::Jig.errors(), tiles.len());
+        let unknowns = Unknowns::new(tiles.len(), &expected, FreeParameters::ALL);
+        let film = RealFilm::new(&tiles, &expected);
+        let points: Vec<DVec3> =
+            (0..12).map(|n| DVec3::new(f64::from(n % 4) - 2.0, f64::from(n / 4) - 1.0, -1.0)).collect();
+        let model = ScanModel { film, points, noise_t: DVec3::ONE, unknowns };
+        let mut state = State::nominal(tiles.len(), 0, &ScanParameters::PERFECT);
+        let errors = [(0, TileError::Strength, -2.0), (0, TileError::ALL[0], 0.03), (1, TileError::Strength, 0.1)];
+        errors.into_iter().for_each(|(tile, error, value)| state.set(Unknown::Tile { tile, error }, value));
+        let is_used = [true; 12];
+        let at = model.linearized(state.clone(), None, &is_used, None).unwrap();
+        let readings = |state: State| model.linearized(state, None, &is_used, None).unwrap().field_t;
+        for (unknown, column) in model.unknowns.list.iter().zip(&at.columns) {
+            let moved = |step: f64| {
+                let mut moved = state.clone();
+                moved.set(*unknown, state.get(*unknown) + step);
+                readings(moved)
+            };
+            let (above, below) = (moved(1e-5), moved(-1e-5));
+            let differences = above.iter().zip(&below).flat_map(|(above, below)| ((*above - *below) / 2e-5).to_array());
+            let largest = column.iter().zip(differences).map(|(of, other)| (of - other).abs()).fold(0.0, f64::max);
+            assert!(largest < 1e-9, "{unknown:?}: {largest:e}");
+        }
+    }
 }

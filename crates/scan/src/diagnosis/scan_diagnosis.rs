@@ -6,7 +6,7 @@ use magsplice_tolerance::{RealFilm, mean_square};
 
 use crate::diagnosis::candidate::{Candidate, ErrorKind};
 use crate::diagnosis::error::{DiagnosisError, LEAST_NOISE_T};
-use crate::diagnosis::model::{Linearized, ScanModel, SlopeOf};
+use crate::diagnosis::model::{Linearized, ScanModel};
 use crate::diagnosis::prior_fit::PriorFit;
 use crate::diagnosis::result::{Diagnosis, FittedError};
 use crate::diagnosis::search::Search;
@@ -63,7 +63,7 @@ impl ScanDiagnosis {
         let film = RealFilm::new(tiles, &settings.expected);
         let model = ScanModel { film, points: scan.points_mm, noise_t: scan.noise_t, unknowns }.checked()?;
         let state = State::nominal(tiles.len(), settings.expected.groups.len(), &start);
-        let nominal = model.linearized(state, SlopeOf::State, &vec![true; model.points.len()], None)?;
+        let nominal = model.linearized(state, None, &vec![true; model.points.len()], None)?;
         let of_tile = |tile| ErrorKind::ALL.map(|kind| Candidate { tile, kind });
         let candidates = (0..tiles.len()).flat_map(of_tile).collect();
         Ok(ScanDiagnosis { model, settings, candidates, nominal })
@@ -135,7 +135,7 @@ impl ScanDiagnosis {
         Ok(Diagnosis {
             detected,
             is_complete: found.is_complete,
-            is_biased: unknowns.expects_errors() && unknowns.of_scan() > 0 && found.at.slope_of == SlopeOf::State,
+            is_biased: unknowns.expects_errors() && unknowns.of_scan() > 0 && found.at.slopes_at.is_none(),
             tiles: model.tiles(&film.state)?,
             errors: film.state.tiles,
             scan: found.at.state.scan_parameters(),

@@ -19,6 +19,9 @@ const MOST_EXCHANGES: usize = 2;
 /// to an identified error.
 const ALTERNATIVE: f64 = 6.9;
 
+/// Share of the sum of squares beyond expected errors that one error explains if it is dominant.
+const DOMINANT: f64 = 0.5;
+
 /// Number of readings, with the largest residuals, that are tested as wild.
 const SUSPECTED: usize = 30;
 
@@ -62,6 +65,8 @@ impl Search<'_> {
             }
             start = start.without(&wild);
         }
+        self.add_dominant(&start, &mut detected)?;
+        visited.push(sorted(&detected));
         let (mut at, mut compared) = self.model.converged(self.readings_t, start, &deviations(&detected))?;
         // The linear model at the nominal film cannot judge them where errors are large.
         if let Some(admitted) = self.with_unsuspicious(&at, &compared, &usable)? {
@@ -110,6 +115,26 @@ impl Search<'_> {
             .collect::<Result<Vec<DetectedError>, DiagnosisError>>()?;
         tested.sort_by(|a, b| a.ln_probability.total_cmp(&b.ln_probability));
         Ok(Found { at, compared, detected: tested, is_complete })
+    }
+
+    /// Adds errors that explain most of what noise and expected errors leave, by the linear model at
+    /// the start. Expected errors of the other tiles would bend to a reversed tile, and right
+    /// readings would contradict them.
+    fn add_dominant(&self, at: &Linearized, detected: &mut Vec<Candidate>) -> Result<(), DiagnosisError> {
+        let compared = self.model.compared(at, self.readings_t);
+        let values = self.model.values(&at.state);
+        while detected.len() < self.most_errors {
+            let fit = PriorFit::new(&at.gram, &compared.projected, &self.model.unknowns.with_detected(detected))?;
+            let left = compared.chi_squared - fit.gain(&values);
+            let scores = self.scores(&fit, detected).into_iter();
+            let best = scores.max_by(|a, b| a.1.chi_squared.total_cmp(&b.1.chi_squared));
+            let is_dominant = |(_, score): &(Candidate, Score)| {
+                score.chi_squared > DOMINANT * left && score.ln_probability < self.ln_limit
+            };
+            let Some((error, _)) = best.filter(is_dominant) else { break };
+            detected.push(error);
+        }
+        Ok(())
     }
 
     /// The identified errors of the next round: one less, one exchanged, or one more. `None` if all
@@ -215,7 +240,7 @@ impl Search<'_> {
             return Ok(None);
         }
         let fit = PriorFit::new(&at.gram, &compared.projected, &self.model.unknowns.with_detected(&[]))?;
-        let all = self.model.linearized(at.state.clone(), at.slope_of, usable, None)?;
+        let all = self.model.linearized(at.state.clone(), at.slopes_at.clone(), usable, None)?;
         let residuals = self.model.compared(&all, self.readings_t).whitened;
         let is_suspicious = |reading: &usize| {
             let row = 3 * reading;

@@ -320,6 +320,23 @@ fn outliers_of_expected_errors_are_detected() {
     assert_eq!(found.narrowed.len(), (3 + 3 + 1) * tiles.len());
 }
 
+/// A reversed tile is found beside narrow expected errors, which alone bend to it until right
+/// readings contradict them.
+#[test]
+fn reversed_tiles_are_detected_beside_small_expected_errors() {
+    for (preset, seed) in [(Preset::Jig, 7), (Preset::Workshop, 8)] {
+        let expected = FilmTolerance::of_tiles(&preset.errors(), film().len());
+        let mut tiles = RealFilm::new(&film(), &expected).sample_tiles(seed, 0).unwrap();
+        tiles[23] = changed(&tiles[23], 0.0, -1.0, DVec3::ZERO);
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let settings = DiagnosisSettings { expected, ..DiagnosisSettings::default() };
+        let found = model(settings).diagnose(&readings(&tiles, &points(), NOISE_T, &mut random), |_| {}).unwrap();
+        assert_eq!(candidates(&found), [Candidate { tile: 23, kind: ErrorKind::Strength }], "{preset:?}");
+        assert!(!found.is_residual_too_large() && found.exclusions.iter().all(Option::is_none), "{preset:?}");
+        assert!((found.detected[0].magnitude() + 2.0).abs() < 0.1, "{:?}", found.detected);
+    }
+}
+
 #[test]
 fn readings_do_not_depend_on_the_number_of_threads() {
     let mut random = ChaCha8Rng::seed_from_u64(6);

@@ -154,13 +154,19 @@ pub(crate) fn run(args: &DiagnoseArgs, quiet: bool) -> Result<(), Failure> {
     for remark in found.remarks() {
         let advice = match (found.made_as, found.is_residual_too_large && args.fit.is_empty()) {
             (Some(preset), _) => format!("; --preset {} expects them", preset.name()),
-            (None, true) => "; --preset expects other errors, --fit fits the origin of the scan".to_owned(),
+            (None, true) => {
+                "; --preset expects other errors, --fit fits the strength, the offset and the place of the scan"
+                    .to_owned()
+            }
             (None, false) => String::new(),
         };
         session.tell(&format!("{}: {remark}{advice}\n", args.scan.display()));
     }
     if found.is_rejected && args.output.is_some() {
-        let message = "errors of tiles do not explain the scan, so no layout is written";
+        let message = match found.made_as {
+            Some(_) => "errors of every tile explain the scan, so no layout is written without --preset",
+            None => "errors of tiles do not explain the scan, so no layout is written",
+        };
         return Err(Failure::at(&args.scan, message.to_owned()));
     }
     Ok(())

@@ -41,7 +41,8 @@ pub(super) fn diagnosis(film: &Film, scan: &Path, fit: FreeParameters, found: &F
             "and more: use the layout of this film, or give the expected errors of its tiles, as by --preset",
         );
     }
-    if fit != FreeParameters::NONE {
+    // What a rejected model has fitted is not what the scan had.
+    if fit != FreeParameters::NONE && !found.is_rejected {
         text.push('\n');
         rows::heading(&mut text, "fitted, with standard deviations", ["x", "y", "z"]);
         fitted(&mut text, fit, &found.scan, Some(&found.scan_deviation));
