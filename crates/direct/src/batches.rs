@@ -55,7 +55,8 @@ pub fn for_each_batch<T: Send + Copy + Default>(
         let error = |(index, cause)| PointError { index, point: points[index], cause };
         errors.extend(failed.into_iter().flatten().map(error));
     }
-    errors.sort_unstable_by_key(|error| error.index);
+    // Stable, because that takes little time for a few sorted lists one after the other.
+    errors.sort_by_key(|error| error.index);
     none_or(errors)
 }
 

@@ -14,8 +14,8 @@ use super::edges::EdgesAtPoint;
 use super::gradient_sum::GradientSum;
 use super::magnitude::MagnitudeBounds;
 use super::sum::Sum;
-use super::weak_points::WeakPoints;
-use crate::prepare::frames::Frames;
+use super::weak_points::{MethodBounds, WeakPoints};
+use crate::prepare::frames::{Frame, Frames};
 use crate::tolerances::{POINTS_OF_ONE_TILE, POINTS_PER_BATCH, REGROUPED_PARTS};
 
 /// Tiles prepared for direct summation.
@@ -32,6 +32,8 @@ pub struct DirectSum {
     level: Level,
     /// Built when a tolerance first needs it.
     magnitudes: OnceLock<MagnitudeBounds>,
+    /// Likewise, for a scene of one tile.
+    by_method: OnceLock<MethodBounds>,
 }
 
 impl DirectSum {
@@ -50,6 +52,7 @@ impl DirectSum {
             boxes: tiles.iter().map(BoundingBox::from_tile).collect(),
             level,
             magnitudes: OnceLock::new(),
+            by_method: OnceLock::new(),
         }
     }
 
@@ -92,6 +95,12 @@ impl DirectSum {
 
     pub(super) fn magnitudes(&self) -> &MagnitudeBounds {
         self.magnitudes.get_or_init(|| MagnitudeBounds::new(&self.tiles, &self.error_weights))
+    }
+
+    /// Bounds of the magnitude of the only tile, which has this frame.
+    pub(super) fn magnitudes_by_method(&self, frame: &Frame) -> &MethodBounds {
+        let ranges = &frame.clusters.tiles[0].ranges;
+        self.by_method.get_or_init(|| MethodBounds::new(&frame.blocks[0], ranges, self.magnitudes()))
     }
 
     /// The division of points into batches.

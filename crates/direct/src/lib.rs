@@ -37,6 +37,8 @@ mod gradient_totals;
 pub mod magnitude;
 /// The scalar kernel at points in and close to a tile.
 mod near_field;
+/// Points of several tiles whose field may be too weak for a tolerance.
+pub mod open_points;
 /// Tiles grouped into frames and clusters.
 pub mod prepare;
 /// Queues of points that share a method.

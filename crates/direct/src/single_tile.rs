@@ -222,7 +222,8 @@ impl SingleTile {
         let sums = fx.iter().zip(fy).zip(fz).map(|((x, y), z)| x.abs() + y.abs() + z.abs());
         self.finite &= sums.fold(true, |all, sum| all & (sum < f64::INFINITY));
         if let Some(weak) = weak {
-            weak.check(method, &self.queues.places(method)[..count], [fx, fy, fz], &self.magnitudes_t);
+            let waiting = (points, &self.queues.places(method)[..count]);
+            weak.check(simd, method, waiting, [fx, fy, fz], &mut self.magnitudes_t[..points[0].len()]);
         }
         let places = self.queues.places(method)[..count].iter().zip(fx).zip(fy).zip(fz);
         match work.frame.to_scene.rotation() {

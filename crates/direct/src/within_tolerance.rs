@@ -4,16 +4,14 @@
 
 use glam::DVec3;
 use magsplice_cuboid::tolerances::EXACT_BOUND;
-use magsplice_magnet::{BoundingBox, MU_0, PointError, PointErrorCause, Quantity, Tolerance};
+use magsplice_magnet::{MU_0, PointError, PointErrorCause, Quantity, Tolerance};
 
 use super::batches::{PointProgress, for_each_batch};
 use super::direct_sum::DirectSum;
 use super::magnitude::LeastField;
+use super::open_points::OpenPoints;
 use super::weak_points::WeakPoints;
 use crate::prepare::frames::Frame;
-
-/// Number of points compared with a bound at a time, without a branch.
-const POINTS_COMPARED: usize = 64;
 
 /// Passes a point without a value to the caller: its index and the cause.
 type Failed<'a> = &'a mut dyn FnMut(usize, PointErrorCause);
@@ -51,10 +49,8 @@ impl DirectSum {
         failed: Failed,
     ) {
         let least = LeastInUnit::new(tolerance, quantity);
-        let ranges = &frame.clusters.tiles[0].ranges;
-        let mut weak = WeakPoints::new(tolerance, &frame.blocks[0], ranges, self.magnitudes());
+        let mut weak = WeakPoints::new(tolerance, self.magnitudes_by_method(frame));
         self.field_and_weak_points_of_batch(quantity, points, field, Some(&mut weak), failed);
-        // A bound from the distances decides most of the others, and the closed form the rest.
         if weak.points.is_empty() {
             return;
         }
@@ -73,8 +69,13 @@ impl DirectSum {
             closer.points.retain(is_weak);
             weak = closer;
         }
-        for (index, own_t) in weak.points {
-            refuse(index as usize, own_t, field, failed);
+        // In the order of the points, which is not the order of their methods.
+        let mut magnitudes_t = vec![None; points.len()];
+        weak.points.iter().for_each(|&(index, own_t)| magnitudes_t[index as usize] = Some(own_t));
+        for (index, own_t) in magnitudes_t.into_iter().enumerate() {
+            if let Some(own_t) = own_t {
+                refuse(index, own_t, field, failed);
+            }
         }
     }
 
@@ -96,26 +97,12 @@ impl DirectSum {
     ) {
         let (magnitudes, least) = (self.magnitudes(), LeastInUnit::new(tolerance, quantity));
         self.field_of_batch(quantity, points, field, failed);
-        // One bound for all points decides nearly all batches, distances and a bound for the box
-        // around the points most of the others.
-        let is_any_weak = |magnitude_t: f64| {
-            let square = least.squared(magnitude_t);
-            let is_weak = |b: &DVec3| b.length_squared() < square;
-            field.chunks(POINTS_COMPARED).any(|some| some.iter().fold(false, |any, b| any | is_weak(b)))
-        };
-        if !is_any_weak(magnitudes.largest_t()) {
-            return;
-        }
-        let open = magnitudes.open_points(self.level(), least.least, points, field, least.per_tesla);
-        if open.is_empty() || !is_any_weak(magnitudes.in_box_t(self.boxes(), &BoundingBox::from_points(points))) {
-            return;
-        }
-        let at_open: Vec<DVec3> = open.iter().map(|&index| points[index as usize]).collect();
-        for (index, own_t) in open.into_iter().zip(self.magnitudes_t(&at_open)) {
-            if least.is_weak(field[index as usize], own_t) {
-                refuse(index as usize, own_t, field, failed);
+        OpenPoints::with_buffers(|open| {
+            magnitudes.find_weak(self.level(), least.least, (points, &*field, least.per_tesla), self.boxes(), open);
+            for (index, own_t) in open.bounds() {
+                refuse(index, own_t, field, failed);
             }
-        }
+        });
     }
 }
 

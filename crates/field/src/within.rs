@@ -60,9 +60,15 @@ fn at_some_points(
     field: &mut [DVec3],
     progress: PointProgress,
 ) -> Vec<PointError> {
+    let exact = |field: &mut [DVec3]| direct.field_within_into(tolerance, quantity, points, field, progress);
+    // No model is built for so few points, whatever their cost, which takes time to count.
+    const { assert!(MIN_TREE_POINTS <= MIN_LOOK_UP_POINTS) };
+    if points.len() < MIN_TREE_POINTS {
+        return exact(field);
+    }
     let exact_cost = direct.cost(points.len(), |number| points[number]);
-    if points.len() < MIN_TREE_POINTS || exact_cost < MIN_LOOK_UP_COST.min(MIN_TREE_COST) {
-        return direct.field_within_into(tolerance, quantity, points, field, progress);
+    if exact_cost < MIN_LOOK_UP_COST.min(MIN_TREE_COST) {
+        return exact(field);
     }
     let usable: Vec<u32> = match fitted(direct, exact_cost, tolerance, points) {
         Some(fitted) => {
@@ -78,7 +84,7 @@ fn at_some_points(
         None => (0..points.len() as u32).filter(|&index| is_in_range(points[index as usize])).collect(),
     };
     if !tree_pays(direct, tree, exact_cost, tolerance, points, &usable) {
-        return direct.field_within_into(tolerance, quantity, points, field, progress);
+        return exact(field);
     }
     let outside: Vec<usize> = (0..points.len()).filter(|&index| !is_in_range(points[index])).collect();
     progress(outside.len());

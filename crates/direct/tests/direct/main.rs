@@ -3,5 +3,6 @@
 mod expansions;
 mod magnitude;
 mod merge;
+mod open_points;
 mod orientation;
 mod queues;
