@@ -327,8 +327,10 @@ impl FilmDiagnosis {
         });
         let placement = self.placement.as_ref().map(ToString::to_string);
         let strength = self.scan.implausible_strength();
-        let is_blind = self.diagnosis.narrowed.iter().all(NarrowedError::is_unresolved);
-        let blind = is_blind.then(|| "the scan resolves no error of any tile: faulty tiles may be there".to_owned());
+        let (used, tiles) = (self.readings - self.excluded.count(), self.diagnosis.tiles.len());
+        let few = (used < tiles).then(|| {
+            format!("{used} readings are fewer than {tiles} tiles: most faulty tiles do not show in this scan")
+        });
         let biased = self.diagnosis.is_biased.then(|| {
             "expected errors of the tiles bias what is fitted of the scan, by more than the stated deviations: fit \
              readings nearer to the film, or hold the strength"
@@ -337,7 +339,7 @@ impl FilmDiagnosis {
         let plateau = self.excluded.remark();
         plateau
             .into_iter()
-            .chain(blind)
+            .chain(few)
             .chain(strength)
             .chain(biased)
             .chain(made_as)

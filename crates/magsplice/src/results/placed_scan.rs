@@ -21,6 +21,9 @@ const MISPLACED: f64 = 0.1;
 /// leave a tenth.
 const HOPELESS: f64 = 0.2;
 
+/// Share of the squared residual that one tile explains if it is faulty in a film of few tiles.
+const ONE_TILE: f64 = 0.5;
+
 /// A scan of the field of a film as ordered. Readings that are not used are NaN.
 pub(super) struct PlacedScan<'a> {
     tiles: &'a [Tile],
@@ -132,7 +135,7 @@ impl<'a> PlacedScan<'a> {
         let all = dot(&residuals_t, &residuals_t);
         for tile in self.tiles {
             let of_tile = read_t(&Scene::new(std::slice::from_ref(tile)))?;
-            if dot(&residuals_t, &of_tile).powi(2) > 0.5 * all * dot(&of_tile, &of_tile) {
+            if dot(&residuals_t, &of_tile).powi(2) > ONE_TILE * all * dot(&of_tile, &of_tile) {
                 return Ok(true);
             }
         }

@@ -117,8 +117,8 @@ impl Search<'_> {
         Ok(Found { at, compared, detected: tested, is_complete })
     }
 
-    /// Adds errors that explain most of what noise and expected errors leave, by the linear model at
-    /// the start. Expected errors of the other tiles would bend to a reversed tile, and right
+    /// Adds errors that explain most of what noise and expected errors leave, by the linear model
+    /// at the start. Expected errors of the other tiles would bend to a reversed tile, and right
     /// readings would contradict them.
     fn add_dominant(&self, at: &Linearized, detected: &mut Vec<Candidate>) -> Result<(), DiagnosisError> {
         let compared = self.model.compared(at, self.readings_t);
