@@ -12,8 +12,8 @@
 //! * `ratio: walk-within-over-exact`: the same for a tolerance of 1e-6.
 //!
 //! A time is the smallest of interleaved runs. The worst cases are measured again, and a ratio is
-//! the least time of all rounds over the least other time. `-- --test` runs few cases once; `-- seed=N` draws other scenes; a word selects
-//! the ratios with this word in their names.
+//! the least time of all rounds over the least other time. `-- --test` runs few cases once;
+//! `-- seed=N` draws other scenes; a word selects the ratios with this word in their names.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -93,7 +93,7 @@ fn worst_of_scenes(
     let mut all: Vec<([f64; 2], &RandomScene)> = scenes.iter().map(|scene| (times(scene, effort, 0), scene)).collect();
     let ratio = |[time, other]: [f64; 2]| time / other;
     let sort = |all: &mut Vec<([f64; 2], &RandomScene)>| {
-        all.sort_by(|(one, _), (other, _)| ratio(*other).total_cmp(&ratio(*one)))
+        all.sort_by(|(one, _), (other, _)| ratio(*other).total_cmp(&ratio(*one)));
     };
     for _ in 0..ROUNDS {
         sort(&mut all);

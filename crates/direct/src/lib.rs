@@ -33,6 +33,8 @@ pub mod far_field;
 pub mod gradient_sum;
 /// Compensated sums of gradients at a batch of points.
 mod gradient_totals;
+/// The field that keeps a tolerance.
+pub mod least_field;
 /// Upper bounds of the sum of magnitudes over tiles.
 pub mod magnitude;
 /// The scalar kernel at points in and close to a tile.

@@ -10,7 +10,7 @@ use magsplice_magnet::BoundingBox;
 use magsplice_simd::column::{Column, views};
 use magsplice_simd::lanes::{LONGEST_VECTOR, Lanes, PAIR};
 
-use super::magnitude::LeastField;
+use super::least_field::LeastField;
 
 /// Points stay where they are unless at most one of this many is open. A decided point takes less
 /// time in the vectors of the next bound than all others take to move.

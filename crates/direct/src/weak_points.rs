@@ -15,7 +15,8 @@ use magsplice_cuboid::tolerances::{EXACT_BOUND, LARGEST_FIELD_OVER_J, SMALL_ANGL
 use magsplice_magnet::Tolerance;
 use magsplice_simd::lanes::Lanes;
 
-use super::magnitude::{LEAST_COMPARED, LeastField, MagnitudeBounds};
+use super::least_field::{LEAST_COMPARED, LeastField};
+use super::magnitude::MagnitudeBounds;
 use super::queues::OWN_QUEUE;
 use crate::tolerances::{DECIDED_BY_DISTANCE, FAR_MAGNITUDE, NEAR_FIELD_OVER_J};
 

@@ -8,7 +8,7 @@ use magsplice_magnet::{MU_0, PointError, PointErrorCause, Quantity, Tolerance};
 
 use super::batches::{PointProgress, for_each_batch};
 use super::direct_sum::DirectSum;
-use super::magnitude::LeastField;
+use super::least_field::LeastField;
 use super::open_points::OpenPoints;
 use super::weak_points::WeakPoints;
 use crate::prepare::frames::Frame;

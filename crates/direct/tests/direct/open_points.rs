@@ -4,7 +4,8 @@
 use fearless_simd::{Level, dispatch};
 use glam::DVec3;
 use magsplice_cuboid::tolerances::EXACT_BOUND;
-use magsplice_direct::magnitude::{LeastField, MagnitudeBounds};
+use magsplice_direct::least_field::LeastField;
+use magsplice_direct::magnitude::MagnitudeBounds;
 use magsplice_direct::open_points::OpenPoints;
 use magsplice_magnet::{BoundingBox, Tile, Tolerance};
 use magsplice_simd::column::Column;

@@ -62,8 +62,8 @@ pub struct FilmDiagnosis {
     /// Whether the residual is too large for the noise.
     pub is_residual_too_large: bool,
     /// Whether errors of tiles do not explain the scan: the residual is too large, an error is
-    /// larger than a tile can have, or the strength is not that of this film. `scan` is then that of
-    /// a wrong model.
+    /// larger than a tile can have, or the strength is not that of this film. `scan` is then that
+    /// of a wrong model.
     pub is_rejected: bool,
     /// Typical errors of every tile that explain the scan with less than half as many errors of
     /// single tiles, where no errors are expected: no tile is reported then.
