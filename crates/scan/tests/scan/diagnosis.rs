@@ -243,8 +243,8 @@ fn films_made_by_hand_have_no_faulty_tiles_and_no_wild_readings() {
 }
 
 /// Far from a film made by hand, strength and height look alike, and errors of the tiles look like
-/// both. The strengths have no bias: their sum is 0 within three deviations. The least sum of
-/// squares has 12 of them.
+/// both. The strengths have no bias: their sum is 0 within three deviations. With the least sum of
+/// squares it is more than six deviations below 0.
 #[test]
 fn strengths_far_from_films_made_by_hand_have_no_bias() {
     const FILMS: u32 = 6;
