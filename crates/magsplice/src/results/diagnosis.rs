@@ -13,7 +13,7 @@ use magsplice_scan::{
 use magsplice_sensor::Noise;
 use serde::Serialize;
 
-use super::likelier_errors::{LikelierErrors, MOST_SINGLE_ERRORS};
+use super::likelier_errors::{MOST_SINGLE_ERRORS, likelier_preset};
 use super::placed_scan::PlacedScan;
 use super::placement::{FittedScan, SensorPlacement};
 use super::scan::ExcludedReadings;
@@ -225,16 +225,15 @@ impl Film {
             };
             model.diagnose(&field_t, show).map_err(failed)
         };
-        let explained = || LikelierErrors::new(tiles.len(), diagnosed);
+        let likelier_than = |errors: usize| likelier_preset(tiles.len(), errors, diagnosed);
         let mut made_as = None;
         let mut diagnosis =
             diagnosed(expected.clone(), if has_expected_errors { MOST_ERRORS } else { MOST_SINGLE_ERRORS })?;
         if !has_expected_errors && !diagnosis.is_complete {
-            let likelier = explained()?;
-            made_as = likelier.simpler_than(MOST_SINGLE_ERRORS + 1);
+            made_as = likelier_than(MOST_SINGLE_ERRORS + 1)?;
             if made_as.is_none() {
                 diagnosis = diagnosed(expected, MOST_ERRORS)?;
-                made_as = likelier.simpler_than(diagnosis.detected.len());
+                made_as = likelier_than(diagnosis.detected.len())?;
             }
         }
         diagnosis.scan.start += origin_mm;
@@ -273,7 +272,7 @@ impl Film {
         let placement = is_open.then(|| placed.explaining(diagnosis.residual_t())).transpose()?.flatten();
         // Where errors of single tiles explain no scan, one may remain beside typical errors.
         if is_open && !has_expected_errors && placement.is_none() {
-            made_as = explained()?.simpler_than(diagnosis.detected.len() + 2);
+            made_as = likelier_than(diagnosis.detected.len() + 2)?;
         }
         let is_rejected = is_impossible || made_as.is_some();
         let listed = if is_rejected { &[][..] } else { &diagnosis.detected };
