@@ -14,7 +14,7 @@ use nalgebra::DVector;
 use crate::diagnosis::error::DiagnosisError;
 use crate::diagnosis::model::{Compared, Linearized, ScanModel};
 use crate::diagnosis::prior_fit::PriorFit;
-use crate::diagnosis::unknowns::State;
+use crate::diagnosis::unknowns::{State, Unknowns};
 
 /// Fall of the sum of squares, in units of the variance of the residuals, below which steps end.
 /// Errors then change by a thirtieth of their standard deviation.
@@ -102,10 +102,7 @@ impl ScanModel {
             true => from,
             false => self.linearized(state.clone(), slopes_at(&state), &is_used, Some(&from))?,
         };
-        let prior = |values: &DVector<f64>| -> f64 {
-            let expected = values.iter().zip(deviations).filter(|(_, deviation)| **deviation > 0.0);
-            expected.map(|(value, deviation)| (value / deviation).powi(2)).sum()
-        };
+        let prior = |values: &DVector<f64>| Unknowns::sum_of_squares(values, deviations);
         let mut compared = self.compared(&at, readings_t);
         let readings = (3 * is_used.iter().filter(|is_used| **is_used).count()) as f64;
         let mut is_converged = false;

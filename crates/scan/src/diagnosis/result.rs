@@ -6,6 +6,7 @@ use glam::DVec3;
 use magsplice_magnet::{PerTileError, Tile, TileError};
 
 use crate::diagnosis::candidate::{Candidate, ErrorKind};
+use crate::diagnosis::significance::is_implausible;
 use crate::diagnosis::unresolved::{NarrowedError, SimilarErrors};
 use crate::exclusion::Exclusion;
 use crate::parameters::ScanParameters;
@@ -99,9 +100,6 @@ pub struct Diagnosis {
     pub similar: Vec<SimilarErrors>,
 }
 
-/// Probability below which noise and expected errors do not explain a residual.
-const IMPLAUSIBLE: f64 = 1e-4;
-
 /// Largest change of a strength, as a fraction: a reversed tile has -2.
 const MOST_STRENGTH_ERROR: f64 = 2.0;
 
@@ -109,7 +107,7 @@ impl Diagnosis {
     /// Whether the residual is too large for the noise: the film has errors of another kind, or the
     /// noise is larger than specified.
     pub fn is_residual_too_large(&self) -> bool {
-        self.ln_probability < IMPLAUSIBLE.ln()
+        is_implausible(self.chi_squared, self.degrees_of_freedom)
     }
 
     /// Whether every identified error is one that a tile can have: a turn by at most half a turn, a

@@ -12,7 +12,8 @@ use crate::diagnosis::error::DiagnosisError;
 use crate::diagnosis::model::{Compared, Linearized, ScanModel};
 use crate::diagnosis::prior_fit::{PriorFit, Score};
 use crate::diagnosis::result::DetectedError;
-use crate::diagnosis::unknowns::Unknown;
+use crate::diagnosis::unknowns::{Unknown, Unknowns};
+use crate::diagnosis::significance::is_implausible;
 use crate::fit::{DEVIATION_OVER_MEDIAN, MOST_OUTLIERS, OUTLIER};
 
 /// Number of exchanges for each identified error after which errors are added again. Where errors
@@ -58,6 +59,16 @@ pub(crate) struct Found {
     pub(crate) is_complete: bool,
 }
 
+/// What follows a round of the search.
+enum Next {
+    /// Another round with these errors.
+    Round(Vec<Candidate>),
+    /// All errors are confirmed, and no further error is significant.
+    Complete,
+    /// As many errors as may be found, each as strong as the strongest now, leave more than noise.
+    Hopeless,
+}
+
 impl Search<'_> {
     /// The errors that noise and expected errors do not explain, beginning with the model at
     /// `start`.
@@ -93,7 +104,11 @@ impl Search<'_> {
                 continue;
             }
             let may_exchange = exchanges < MOST_EXCHANGES * detected.len();
-            let Some(next) = self.next(&at, &compared, &detected, &visited, may_exchange)? else { break true };
+            let next = match self.next(&at, &compared, &detected, &visited, may_exchange)? {
+                Next::Round(next) => next,
+                Next::Complete => break true,
+                Next::Hopeless => break false,
+            };
             exchanges = if next.len() == detected.len() { exchanges + 1 } else { 0 };
             if next.len() > self.most_errors {
                 break false;
@@ -160,8 +175,7 @@ impl Search<'_> {
         Ok(at)
     }
 
-    /// The identified errors of the next round: one less, one exchanged, or one more. `None` if all
-    /// are confirmed and no further error is significant.
+    /// The identified errors of the next round: one less, one exchanged, or one more.
     fn next(
         &self,
         at: &Linearized,
@@ -169,7 +183,7 @@ impl Search<'_> {
         detected: &[Candidate],
         visited: &[Vec<Candidate>],
         may_exchange: bool,
-    ) -> Result<Option<Vec<Candidate>>, DiagnosisError> {
+    ) -> Result<Next, DiagnosisError> {
         let is_new = |errors: &[Candidate]| !visited.contains(&sorted(errors));
         let mut weakest: Option<(Candidate, f64)> = None;
         let mut exchange: Option<(Vec<Candidate>, f64)> = None;
@@ -190,20 +204,28 @@ impl Search<'_> {
             }
         }
         if let Some(fewer) = weakest.map(|(error, _)| rest(detected, error)) {
-            return Ok(Some(fewer).filter(|fewer| is_new(fewer)));
+            return Ok(if is_new(&fewer) { Next::Round(fewer) } else { Next::Complete });
         }
         if let Some((exchanged, _)) = exchange {
-            return Ok(Some(exchanged));
+            return Ok(Next::Round(exchanged));
         }
-        let fit = PriorFit::new(&at.gram, &compared.projected, &self.model.unknowns.with_detected(detected))?;
+        let deviations = self.model.unknowns.with_detected(detected);
+        let fit = PriorFit::new(&at.gram, &compared.projected, &deviations)?;
         let best = self
             .scores(&fit, detected)
             .into_iter()
             .filter(|(_, score)| score.ln_probability < self.ln_limit)
             .min_by(|a, b| a.1.ln_probability.total_cmp(&b.1.ln_probability));
-        Ok(best
-            .map(|(error, _)| detected.iter().copied().chain([error]).collect())
-            .filter(|more: &Vec<_>| is_new(more)))
+        let Some((error, score)) = best else { return Ok(Next::Complete) };
+        let more: Vec<Candidate> = detected.iter().copied().chain([error]).collect();
+        if !is_new(&more) {
+            return Ok(Next::Complete);
+        }
+        let left = compared.chi_squared + Unknowns::sum_of_squares(&self.model.values(&at.state), &deviations);
+        let freedom = 3 * at.is_used.iter().filter(|is_used| **is_used).count();
+        let most_explained = (self.most_errors - detected.len()) as f64 * score.chi_squared;
+        let is_hopeless = is_implausible(left, freedom) && most_explained < left - freedom as f64;
+        Ok(if is_hopeless { Next::Hopeless } else { Next::Round(more) })
     }
 
     /// The readings that contradict all others: more than six standard deviations from the fit of

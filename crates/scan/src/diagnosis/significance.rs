@@ -7,6 +7,14 @@ use statrs::function::gamma::ln_gamma;
 /// series is then below `freedom` / 1000.
 const LEAST_PROBABILITY: f64 = 1e-250;
 
+/// Probability below which noise and expected errors do not explain a residual.
+const IMPLAUSIBLE: f64 = 1e-4;
+
+/// Whether a residual is too large for noise and expected errors.
+pub(crate) fn is_implausible(chi_squared: f64, freedom: usize) -> bool {
+    ln_probability_above(chi_squared, freedom) < IMPLAUSIBLE.ln()
+}
+
 /// The natural logarithm of the probability of a larger chi squared with these degrees of freedom.
 pub(crate) fn ln_probability_above(chi_squared: f64, freedom: usize) -> f64 {
     let Ok(distribution) = ChiSquared::new(freedom as f64) else { return 0.0 };

@@ -3,6 +3,7 @@
 use magsplice_layout::FilmTolerance;
 use magsplice_magnet::{PerTileError, TileError};
 use magsplice_tolerance::mean_square;
+use nalgebra::DVector;
 
 use crate::diagnosis::candidate::{Candidate, ErrorKind};
 use crate::parameters::{FreeParameters, ScanParameter, ScanParameters};
@@ -98,6 +99,12 @@ impl Unknowns {
             }
         }
         deviations
+    }
+
+    /// The sum of the squares of values over their deviations.
+    pub(crate) fn sum_of_squares(values: &DVector<f64>, deviations: &[f64]) -> f64 {
+        let expected = values.iter().zip(deviations).filter(|(_, deviation)| **deviation > 0.0);
+        expected.map(|(value, deviation)| (value / deviation).powi(2)).sum()
     }
 
     /// Whether tiles or groups have expected errors.
