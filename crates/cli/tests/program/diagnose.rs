@@ -225,6 +225,26 @@ fn reversed_tiles_and_scans_of_few_readings_are_named() {
     );
 }
 
+/// A stray field that is not fitted is named with its value.
+#[test]
+fn offsets_that_explain_a_rejected_scan_are_named() {
+    let sandbox = scanned(&[]);
+    let stray = |row: &[f64]| [row[0], row[1], row[2], row[3] + 300.0, row[4], row[5]];
+    let lines: Vec<String> = rows(&sandbox.read("scan.csv"))
+        .iter()
+        .map(|row| stray(row).map(|value| format!("{value:?}")).join(","))
+        .collect();
+    sandbox.write("scan.csv", &format!("x_mm,y_mm,z_mm,bx_ut,by_ut,bz_ut\n{}\n", lines.join("\n")));
+    let said = run(&sandbox, &["--preset", "workshop"]);
+    let explained = "errors of tiles explain the scan with strength 1.0";
+    let offset = said.stderr.split(explained).nth(1).and_then(|rest| rest.split("offset (").nth(1)).expect(&said.stderr);
+    let x_ut: f64 = offset.split(',').next().and_then(|x| x.parse().ok()).expect(offset);
+    // The noise of 10 uT of 91 readings leaves 1 uT, errors of tiles of a workshop ten times as much.
+    assert!((x_ut - 300.0).abs() < 50.0, "{}", said.stderr);
+    let fitted = run(&sandbox, &["--preset", "workshop", "--fit"]);
+    assert!(fitted.stdout.contains("no faulty tile"), "{}", fitted.stderr);
+}
+
 /// The origin of a stage changes the start of a scan and nothing else. Columns exchanged in a
 /// circle, and z counted downwards on one plane, are refused, by hand too.
 #[test]

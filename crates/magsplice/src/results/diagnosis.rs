@@ -8,7 +8,7 @@ use magsplice_layout::{FilmTolerance, Layout, Preset};
 use magsplice_magnet::{Quantity, Tile, TileError};
 use magsplice_scan::{
     Candidate, DetectedError, Diagnosis, DiagnosisError, DiagnosisSettings, ErrorKind, Exclusion, FieldScan,
-    FreeParameters, MOST_ERRORS, NarrowedError, ScanDiagnosis, ScanError,
+    FreeParameters, MOST_ERRORS, NarrowedError, ScanDiagnosis, ScanError, ScanParameters,
 };
 use magsplice_sensor::Noise;
 use serde::Serialize;
@@ -75,6 +75,9 @@ pub struct FilmDiagnosis {
     pub made_as: Option<Preset>,
     /// Another placement of the sensor, which explains a rejected scan better than errors of tiles.
     pub placement: Option<SensorPlacement>,
+    /// Parameters of the scan that explain a rejected scan with errors of tiles, where not all are
+    /// fitted.
+    pub explained_by: Option<FittedScan>,
     /// Errors that the scan hardly narrows.
     pub unresolved: Vec<UnresolvedError>,
     /// Pairs of errors that change the readings alike, the most alike first.
@@ -210,7 +213,7 @@ impl Film {
         // The positions count from the fitted start, which the prior of the start is about.
         let origin_mm = std::mem::take(&mut start.start);
         let places_mm: Vec<DVec3> = points_mm.iter().map(|point| *point + origin_mm).collect();
-        let diagnosed = |expected: FilmTolerance, most_errors: usize| {
+        let diagnosed_with = |free: FreeParameters, expected: FilmTolerance, most_errors: usize| {
             let settings =
                 DiagnosisSettings { expected, free, false_alarm, most_errors, ..DiagnosisSettings::default() };
             let failed = |error: DiagnosisError| match error {
@@ -225,6 +228,7 @@ impl Film {
             };
             model.diagnose(&field_t, show).map_err(failed)
         };
+        let diagnosed = |expected: FilmTolerance, most_errors: usize| diagnosed_with(free, expected, most_errors);
         let likelier_than = |errors: usize| likelier_preset(tiles.len(), errors, diagnosed);
         let mut made_as = None;
         let mut diagnosis =
@@ -232,7 +236,7 @@ impl Film {
         if !has_expected_errors && !diagnosis.is_complete {
             made_as = likelier_than(MOST_SINGLE_ERRORS + 1)?;
             if made_as.is_none() {
-                diagnosis = diagnosed(expected, MOST_ERRORS)?;
+                diagnosis = diagnosed(expected.clone(), MOST_ERRORS)?;
                 made_as = likelier_than(diagnosis.detected.len())?;
             }
         }
@@ -275,6 +279,13 @@ impl Film {
             made_as = likelier_than(diagnosis.detected.len() + 2)?;
         }
         let is_rejected = is_impossible || made_as.is_some();
+        let mut explained_by = None;
+        if is_open && made_as.is_none() && placement.is_none() && free != FreeParameters::ALL {
+            let refit = diagnosed_with(FreeParameters::ALL, expected, MOST_SINGLE_ERRORS)?;
+            let found = ScanParameters { start: refit.scan.start + origin_mm, ..refit.scan };
+            explained_by = (refit.is_complete && !refit.is_residual_too_large() && refit.has_possible_errors(&tiles))
+                .then(|| FittedScan::new(&found, found.offset_t));
+        }
         let listed = if is_rejected { &[][..] } else { &diagnosis.detected };
         let similar = diagnosis.similar.iter().map(|of| SimilarPair {
             tiles: [of.first.0, of.second.0].map(name),
@@ -299,6 +310,7 @@ impl Film {
             is_rejected,
             made_as,
             placement,
+            explained_by,
             unresolved: diagnosis.narrowed.iter().filter(|of| of.is_unresolved()).map(unresolved).collect(),
             similar: similar.collect(),
             diagnosis,
@@ -321,7 +333,8 @@ impl FilmDiagnosis {
                 preset.name()
             )
         });
-        let residual = (self.is_residual_too_large && self.made_as.is_none()).then(|| {
+        let is_open = self.made_as.is_none() && self.explained_by.is_none();
+        let residual = (self.is_residual_too_large && is_open).then(|| {
             format!(
                 "chi squared of the residual is {} times its expectation: the noise is larger than specified, the tiles have \
                  other or larger errors than are expected (a preset expects errors of every tile), or the positions of the \
@@ -330,6 +343,9 @@ impl FilmDiagnosis {
             )
         });
         let placement = self.placement.as_ref().map(ToString::to_string);
+        let explained_by = self.explained_by.as_ref().map(|of| {
+            format!("errors of tiles explain the scan with {}: fit these parameters with the errors of tiles", of.in_words())
+        });
         let strength = self.scan.implausible_strength();
         let (used, tiles) = (self.readings - self.excluded.count(), self.diagnosis.tiles.len());
         let few = (used < tiles).then(|| {
@@ -355,6 +371,7 @@ impl FilmDiagnosis {
             .chain(made_as)
             .chain(residual)
             .chain(placement)
+            .chain(explained_by)
             .collect()
     }
 

@@ -36,6 +36,13 @@ impl FittedScan {
         }
     }
 
+    /// The parameters as words.
+    pub(crate) fn in_words(&self) -> String {
+        let FittedScan { strength, offset_t, start_mm, rotation_deg } = *self;
+        let [start, rotation, offset] = [rounded(start_mm, 3), rounded(rotation_deg, 2), rounded(1e6 * offset_t, 1)];
+        format!("strength {strength:.3}, offset ({offset}) uT, start ({start}) mm, rotation ({rotation}) deg")
+    }
+
     /// Words for a strength that this film hardly has: below half of that of the layout, or above
     /// twice.
     pub(crate) fn implausible_strength(&self) -> Option<String> {
@@ -100,10 +107,8 @@ impl SensorPlacement {
 
 impl fmt::Display for SensorPlacement {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let FittedScan { strength, start_mm, rotation_deg, .. } = self.fitted;
         let residual_ut = 1e6 * self.residual_t;
-        write!(f, "the film as ordered explains the scan to {residual_ut:.1} uT with strength {strength:.3}, ")?;
-        write!(f, "start ({}) mm, rotation ({}) deg", rounded(start_mm, 3), rounded(rotation_deg, 2))?;
+        write!(f, "the film as ordered explains the scan to {residual_ut:.1} uT with {}", self.fitted.in_words())?;
         if self.is_across {
             write!(f, "; {ACROSS}")?;
         }

@@ -204,7 +204,7 @@ fn right_films_have_no_faulty_tile() {
     }
 }
 
-/// Where all tiles have unspecified errors, the search ends and reports it.
+/// Where all tiles have unspecified errors, the search ends and says so.
 #[test]
 fn films_with_errors_of_all_tiles_are_told() {
     let ordered = &film()[..12];
@@ -217,7 +217,6 @@ fn films_with_errors_of_all_tiles_are_told() {
     let model = ScanDiagnosis::new(ordered, scan, DiagnosisSettings::default(), ScanParameters::PERFECT).unwrap();
     let found = model.diagnose(&readings_t, |_| {}).unwrap();
     assert!(!found.is_complete && found.is_residual_too_large());
-    assert_eq!(found.detected.len(), 16);
 }
 
 /// Errors of 0.15 mm, 1 mm from the film, are far from linear: their readings agree with the fit,
@@ -269,6 +268,7 @@ fn strengths_far_from_films_made_by_hand_have_no_bias() {
 }
 
 /// Noise of twice the specified deviation has a chi squared of four times the number of readings.
+/// Errors of tiles do not explain it, and none is searched for.
 #[test]
 fn residual_beyond_the_noise_is_told() {
     let mut random = ChaCha8Rng::seed_from_u64(3);
@@ -276,6 +276,7 @@ fn residual_beyond_the_noise_is_told() {
         .diagnose(&readings(&film(), &points(), 2.0 * NOISE_T, &mut random), |_| {})
         .unwrap();
     assert!(found.is_residual_too_large(), "{}", found.chi_squared / found.degrees_of_freedom as f64);
+    assert!(found.detected.is_empty() && !found.is_complete, "{:?}", found.detected);
 }
 
 /// The scan has another strength, an offset, a turn and an origin; the faulty tile is the same.
@@ -320,11 +321,11 @@ fn outliers_of_expected_errors_are_detected() {
     assert_eq!(found.narrowed.len(), (3 + 3 + 1) * tiles.len());
 }
 
-/// A reversed tile is found beside narrow expected errors, which alone bend to it until right
-/// readings contradict them.
+/// A reversed tile is found beside expected errors, which alone bend to it until right readings
+/// contradict them.
 #[test]
-fn reversed_tiles_are_detected_beside_small_expected_errors() {
-    for (preset, seed) in [(Preset::Jig, 7), (Preset::Workshop, 8)] {
+fn reversed_tiles_are_detected_beside_expected_errors() {
+    for (preset, seed) in [(Preset::Jig, 7), (Preset::Workshop, 8), (Preset::ByHand, 9)] {
         let expected = FilmTolerance::of_tiles(&preset.errors(), film().len());
         let mut tiles = RealFilm::new(&film(), &expected).sample_tiles(seed, 0).unwrap();
         tiles[23] = changed(&tiles[23], 0.0, -1.0, DVec3::ZERO);
@@ -333,6 +334,7 @@ fn reversed_tiles_are_detected_beside_small_expected_errors() {
         let found = model(settings).diagnose(&readings(&tiles, &points(), NOISE_T, &mut random), |_| {}).unwrap();
         assert_eq!(candidates(&found), [Candidate { tile: 23, kind: ErrorKind::Strength }], "{preset:?}");
         assert!(!found.is_residual_too_large() && found.exclusions.iter().all(Option::is_none), "{preset:?}");
+        // The strength of tiles made by hand deviates by 0.03.
         assert!((found.detected[0].magnitude() + 2.0).abs() < 0.1, "{:?}", found.detected);
     }
 }
