@@ -176,7 +176,7 @@ fn strength_is_held_where_errors_of_tiles_look_like_it() {
     assert_eq!(free, FreeParameters::ALL);
     assert_eq!(fit, fit_scan(&scene, &points, &weak, FreeParameters::ALL, centre).unwrap());
     let expected = FilmTolerance::of_tiles(&Preset::ByHand.errors(), ordered.len());
-    for index in 0..8 {
+    for index in 0..4 {
         let made = RealFilm::new(&ordered, &expected).sample_tiles(1, index).unwrap();
         let mut random = ChaCha8Rng::seed_from_u64(index);
         let readings_t = readings(&made, &points, 5e-6, &mut random);
@@ -185,7 +185,7 @@ fn strength_is_held_where_errors_of_tiles_look_like_it() {
         assert_eq!((free, strength), (FreeParameters::HELD_STRENGTH, 1.0), "film {index}");
         assert!(start.length() < 0.3 && rotation_rad.length() < 0.1, "film {index}: {start} {rotation_rad}");
         // In gauss, where millitesla are stated.
-        if index > 2 {
+        if index > 0 {
             continue;
         }
         let gauss: Vec<DVec3> = readings_t.iter().map(|reading_t| 10.0 * *reading_t).collect();

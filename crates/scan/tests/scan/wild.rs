@@ -107,13 +107,13 @@ fn saturated_readings_are_censored() {
     }
 }
 
-/// Each of the 48 exchanges of the axes of the sensor, and of the stage, is found and reported: as
-/// a rotation where it is one.
+/// Exchanges of the axes of the sensor, every third of the 48, and of the stage are found and
+/// reported: as a rotation where it is one.
 #[test]
 fn exchanged_axes_are_found() {
     let scanned = scanned();
     let mut random = ChaCha8Rng::seed_from_u64(3);
-    for (number, axes) in SignedAxes::all().into_iter().enumerate() {
+    for (number, axes) in SignedAxes::all().into_iter().step_by(3).enumerate() {
         let truth = truth(&mut random);
         let readings_t = scanned.readings_t(&truth, &mut random);
         let turned: Vec<DVec3> = readings_t.iter().map(|reading| axes.apply(*reading)).collect();
@@ -133,7 +133,7 @@ fn exchanged_axes_are_found() {
             let difference = fit.corrected_t(*exchanged) - truth.corrected_t(*reading);
             assert!(difference.length() < 2e-5, "{axes} of the sensor: {difference}");
         }
-        if number % 5 != 0 {
+        if number % 3 != 0 {
             continue;
         }
         let stage: Vec<DVec3> = scanned.points.iter().map(|point| axes.inverse().apply(*point)).collect();
@@ -146,7 +146,7 @@ fn exchanged_axes_are_found() {
 #[test]
 fn scans_in_coordinates_of_a_stage_are_found() {
     let scanned = scanned();
-    for seed in 0..8 {
+    for seed in 0..4 {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let truth = truth(&mut random);
         let readings_t = scanned.readings_t(&truth, &mut random);
