@@ -124,6 +124,11 @@ impl Film {
         serde_json::to_string(&self.layout.plain()).map_err(failed)
     }
 
+    /// Whether the layouts have the same names and numbers, those of files beside them too.
+    fn _is_same(&self, other: &Film) -> PyResult<bool> {
+        Ok(self.layout.tolerance == other.layout.tolerance && self._to_json()? == other._to_json()?)
+    }
+
     /// Wavelength, thickness and amplitude of the ideal film.
     #[getter]
     fn _ideal(&self) -> Option<Triple> {

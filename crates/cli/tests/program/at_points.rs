@@ -73,7 +73,7 @@ fn report_gives_the_reason_for_omitted_keys() {
     assert_eq!(said.status, 0, "{}", said.stderr);
     for line in [
         "at 2 points of points.csv",
-        "  uniformity RMSE: undefined, needs the planes of a grid, as without --points",
+        "  uniformity RMSE: undefined, needs the planes of a grid",
         "  (1, 0.5, -4) mm",
         "    at (1, 0.5, -4) mm",
     ] {

@@ -104,7 +104,7 @@ impl Film {
             film: self.clone(),
             worst_displacement_error_mm: worst.map(|(_, error)| error.into()),
             worst_displacement_at_mm: worst.map(|(at, _)| at),
-            omitted: Omitted { uniformity_rmse: "needs the planes of a grid, as without --points" },
+            omitted: Omitted { uniformity_rmse: "needs the planes of a grid" },
             decoupling,
             points_mm,
             field_t,

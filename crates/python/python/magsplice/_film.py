@@ -222,13 +222,11 @@ class Film(Sensed):
         return film_of_text, self._source
 
     def __eq__(self, other: object) -> bool:
-        """Whether the layouts have the same text and the same folder of files."""
-        if not isinstance(other, Film):
-            return NotImplemented
-        return self._source[::2] == other._source[::2]
+        """Whether the layouts have the same names and numbers, with tiles in the same order."""
+        return self._is_same(other) if isinstance(other, Film) else NotImplemented
 
     def __hash__(self) -> int:
-        return hash(self._source[::2])
+        return hash(self._to_json())
 
     def __repr__(self) -> str:
         return f"<magsplice.Film {self.name!r}: {len(self)} tiles, sha256 {self.sha256[:12]}>"

@@ -26,7 +26,10 @@ def tolerance_of(within: float | str | None, within_t: float | None = None) -> T
 def flattened(points: ArrayLike | Grid, name: str = "points") -> tuple[Floats, tuple[int, ...]]:
     """Points as contiguous rows, and the leading shape. Contiguous doubles are not copied."""
     points = points.points_mm if isinstance(points, Grid) else points
-    array: NDArray[np.float64] = np.ascontiguousarray(points, dtype=np.float64)
+    try:
+        array: NDArray[np.float64] = np.ascontiguousarray(points, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise type(error)(f"{name} must be numbers of the shape (..., 3): {error}") from None
     if array.ndim == 0 or array.shape[-1] != 3:
         raise ValueError(
             f"{name} have the shape {array.shape}, must have (..., 3): x, y, z along the last axis"
