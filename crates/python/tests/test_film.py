@@ -185,7 +185,8 @@ def test_films_are_built_saved_and_loaded(tmp_path):
     assert Film.from_dict(film.to_dict()).to_toml(compact=False) == film.to_toml(compact=False)
     film.save(tmp_path / "plain.toml", compact=False)
     for same in (Film.from_dict(film.to_dict()), magsplice.load(tmp_path / "plain.toml")):
-        assert same == film and hash(same) == hash(film)
+        assert same == film
+        assert hash(same) == hash(film)
 
 
 def test_arguments_without_numbers_are_named(published):

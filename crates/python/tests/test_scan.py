@@ -84,7 +84,7 @@ def test_scans_that_are_hardly_of_the_film_warn(published):
     points = published.grid.points_mm
     with pytest.warns(magsplice.MeasurementWarning, match="the fitted strength is 3.000000 times"):
         published.scan(points, 3 * published.b(points))
-    with pytest.raises(magsplice.MagspliceError, match="the readings times 0.1 fit the film"):
+    with pytest.raises(magsplice.MagspliceError, match=r"the readings times 0\.1 fit the film"):
         published.scan(points, 10 * published.b(points))
     with pytest.raises(ValueError, match="1 readings for 2 points"):
         published.scan([[0, 0, -4], [1, 0, -4]], [[0, 0, 0]])
