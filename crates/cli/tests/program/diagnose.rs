@@ -237,7 +237,8 @@ fn offsets_that_explain_a_rejected_scan_are_named() {
     sandbox.write("scan.csv", &format!("x_mm,y_mm,z_mm,bx_ut,by_ut,bz_ut\n{}\n", lines.join("\n")));
     let said = run(&sandbox, &["--preset", "workshop"]);
     let explained = "errors of tiles explain the scan with strength 1.0";
-    let offset = said.stderr.split(explained).nth(1).and_then(|rest| rest.split("offset (").nth(1)).expect(&said.stderr);
+    let offset =
+        said.stderr.split(explained).nth(1).and_then(|rest| rest.split("offset (").nth(1)).expect(&said.stderr);
     let x_ut: f64 = offset.split(',').next().and_then(|x| x.parse().ok()).expect(offset);
     // The noise of 10 uT of 91 readings leaves 1 uT, errors of a workshop ten times as much.
     assert!((x_ut - 300.0).abs() < 50.0, "{}", said.stderr);

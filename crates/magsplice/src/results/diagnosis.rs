@@ -344,7 +344,10 @@ impl FilmDiagnosis {
         });
         let placement = self.placement.as_ref().map(ToString::to_string);
         let explained_by = self.explained_by.as_ref().map(|of| {
-            format!("errors of tiles explain the scan with {}: fit these parameters with the errors of tiles", of.in_words())
+            format!(
+                "errors of tiles explain the scan with {}: fit these parameters with the errors of tiles",
+                of.in_words()
+            )
         });
         let strength = self.scan.implausible_strength();
         let (used, tiles) = (self.readings - self.excluded.count(), self.diagnosis.tiles.len());

@@ -12,8 +12,8 @@ use crate::diagnosis::error::DiagnosisError;
 use crate::diagnosis::model::{Compared, Linearized, ScanModel};
 use crate::diagnosis::prior_fit::{PriorFit, Score};
 use crate::diagnosis::result::DetectedError;
-use crate::diagnosis::unknowns::{Unknown, Unknowns};
 use crate::diagnosis::significance::is_implausible;
+use crate::diagnosis::unknowns::{Unknown, Unknowns};
 use crate::fit::{DEVIATION_OVER_MEDIAN, MOST_OUTLIERS, OUTLIER};
 
 /// Number of exchanges for each identified error after which errors are added again. Where errors
