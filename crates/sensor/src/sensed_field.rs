@@ -1,7 +1,12 @@
-//! The readings of a Hall sensor: the field averaged over its plates, along its axes.
+//! The readings of a Hall sensor, or of a head of several: the field averaged over its plates, along
+//! its axes.
+
+use std::iter::Sum;
+use std::ops::{Add, Mul};
 
 use glam::{DMat3, DQuat, DVec3};
 use magsplice_field::Scene;
+use magsplice_head::{HeadElement, SensorHead};
 use magsplice_magnet::{Grid, HallSensor, HallSensorFault, PointError, PointErrors, Quantity};
 use nalgebra::{DMatrix, SymmetricEigen};
 use thiserror::Error;
@@ -18,7 +23,11 @@ const MOST_NODES: usize = 8;
 /// Number of points along each side of the volume for the comparison of quadrature rules.
 const COMPARED: usize = 5;
 
-/// The readings of a Hall sensor at any position in a field.
+/// The readings of a Hall sensor, or of a head of several, at any position in a field.
+///
+/// The reading of a head is the weighted sum of the flux densities that its sensors read, along the
+/// axes of the film, with the gain, the offset and the rotation of each sensor corrected. So a head
+/// reads like one sensor of gain 1, without offset and rotation and with the noise of the sum.
 ///
 /// A Gauss-Legendre rule of n x n nodes gives the mean of B over the active area. n is the smallest
 /// number whose rule differs from the rule of n + 1 by less than 1e-8 of the largest flux density
@@ -26,13 +35,29 @@ const COMPARED: usize = 5;
 #[derive(Clone, Debug)]
 pub struct SensedField<'a> {
     scene: &'a Scene,
+    /// The sensor that reads as the whole head does.
     sensor: HallSensor,
-    /// Nodes for the plates of x, y, z. One list if all plates are at one point.
-    nodes: Vec<Vec<Node>>,
+    parts: Parts,
     averaging_error_t: f64,
 }
 
-/// A quadrature node, relative to the position of the sensor and in the frame of the tiles, with
+/// What is read.
+#[derive(Clone, Debug)]
+enum Parts {
+    /// The reading of one sensor.
+    One(Part),
+    /// The weighted sum of the flux densities that sensors read.
+    Sum(Vec<(Part, DVec3)>),
+}
+
+/// A sensor, and the nodes of its plates of x, y, z. One list if all plates are at one point.
+#[derive(Clone, Debug)]
+struct Part {
+    sensor: HallSensor,
+    nodes: Vec<Vec<Node>>,
+}
+
+/// A quadrature node, relative to the position of the sensor or head and in the frame of the tiles, with
 /// its weight in the mean.
 #[derive(Clone, Copy, Debug)]
 struct Node {
@@ -62,8 +87,9 @@ pub enum SensedFieldError {
 impl<'a> From<&'a Scene> for SensedField<'a> {
     /// The readings of a perfect sensor: B.
     fn from(scene: &'a Scene) -> SensedField<'a> {
-        let nodes = vec![vec![Node { offset: DVec3::ZERO, weight: 1.0 }]];
-        SensedField { scene, sensor: HallSensor::default(), nodes, averaging_error_t: 0.0 }
+        let sensor = HallSensor::default();
+        let parts = Parts::One(Part::new(sensor, DVec3::ZERO, 1));
+        SensedField { scene, sensor, parts, averaging_error_t: 0.0 }
     }
 }
 
@@ -74,8 +100,40 @@ impl<'a> SensedField<'a> {
     /// See [`SensedFieldError`].
     pub fn new(scene: &'a Scene, sensor: HallSensor, volume: &Grid) -> Result<SensedField<'a>, SensedFieldError> {
         let sensor = sensor.checked().map_err(SensedFieldError::Sensor)?;
-        let with = |count: usize| SensedField { nodes: nodes(&sensor, count), sensor, ..SensedField::from(scene) };
-        if sensor.active_area == [0.0; 2] {
+        let with = |count: usize| SensedField {
+            sensor,
+            parts: Parts::One(Part::new(sensor, DVec3::ZERO, count)),
+            ..SensedField::from(scene)
+        };
+        SensedField::averaging(with, sensor.active_area == [0.0; 2], volume)
+    }
+
+    /// The readings of a head whose origin moves in the volume of a grid. The scene must be exact.
+    ///
+    /// # Errors
+    /// See [`SensedFieldError`].
+    pub fn of_head(scene: &'a Scene, head: &SensorHead, volume: &Grid) -> Result<SensedField<'a>, SensedFieldError> {
+        for element in &head.elements {
+            element.sensor.checked().map_err(SensedFieldError::Sensor)?;
+        }
+        let sensor = HallSensor { noise_t: head.deviation_t(), ..HallSensor::default() };
+        let part = |of: &HeadElement, count: usize| (Part::new(of.sensor, of.place, count), of.weight);
+        let with = |count: usize| SensedField {
+            sensor,
+            parts: Parts::Sum(head.elements.iter().map(|of| part(of, count)).collect()),
+            ..SensedField::from(scene)
+        };
+        let are_points = head.elements.iter().all(|of| of.sensor.active_area == [0.0; 2]);
+        SensedField::averaging(with, are_points, volume)
+    }
+
+    /// The field of the first rule, by its number of nodes along each side, that is exact enough.
+    fn averaging(
+        with: impl Fn(usize) -> SensedField<'a>,
+        are_points: bool,
+        volume: &Grid,
+    ) -> Result<SensedField<'a>, SensedFieldError> {
+        if are_points {
             return Ok(with(1));
         }
         let counts = [COMPARED; 3].map(|count| count.min(volume.len()));
@@ -103,14 +161,19 @@ impl<'a> SensedField<'a> {
         Err(SensedFieldError::ActiveArea { difference_t })
     }
 
-    /// The sensor.
+    /// The sensor, or the one that reads as the head does. Its range is not that of the sensors of
+    /// the head.
     pub fn sensor(&self) -> &HallSensor {
         &self.sensor
     }
 
     /// Number of quadrature nodes along each side of the active area.
     pub fn nodes_per_side(&self) -> usize {
-        self.nodes[0].len().isqrt()
+        let part = match &self.parts {
+            Parts::One(part) => Some(part),
+            Parts::Sum(parts) => parts.first().map(|(part, _)| part),
+        };
+        part.map_or(0, |part| part.nodes[0].len().isqrt())
     }
 
     /// Estimate of the error of the mean over the active area, in tesla: its largest difference
@@ -121,17 +184,22 @@ impl<'a> SensedField<'a> {
 
     /// Sets the gain to 1 and the offset to 0.
     pub fn without_gain_and_offset(&self) -> SensedField<'a> {
-        let sensor = HallSensor { gain: DVec3::ONE, offset_t: DVec3::ZERO, ..self.sensor };
-        SensedField { sensor, ..self.clone() }
+        let unscaled = |sensor: HallSensor| HallSensor { gain: DVec3::ONE, offset_t: DVec3::ZERO, ..sensor };
+        let mut field = SensedField { sensor: unscaled(self.sensor), ..self.clone() };
+        if let Parts::One(part) = &mut field.parts {
+            part.sensor = unscaled(part.sensor);
+        }
+        field
     }
 
-    /// The readings at positions of the sensor, in tesla, without noise, rounding and limits.
+    /// The readings at positions of the sensor or head, in tesla, without noise, rounding and
+    /// limits.
     ///
     /// # Errors
     /// If a plate reads a point without a field from a position.
     pub fn readings_t(&self, positions: &[DVec3]) -> Result<Vec<DVec3>, PointErrors> {
-        let means = self.means_of(positions, |points| self.scene.field_at(Quantity::FluxDensity, points))?;
-        Ok(means.into_iter().map(|means: [DVec3; 3]| self.reading_t(means)).collect())
+        let at = |points: &[DVec3]| self.scene.field_at(Quantity::FluxDensity, points);
+        self.of_parts(positions, at, Part::reading_t, Part::field_t, |weight, field_t| weight * field_t)
     }
 
     /// The readings, and their gradients: column j is the derivative along x_j, in tesla per unit
@@ -147,10 +215,10 @@ impl<'a> SensedField<'a> {
             let _ = self.scene.gradient_into(Quantity::FluxDensity, points, &mut gradient);
             Ok(gradient)
         };
-        let means: Vec<[DVec3; 3]> = self.means_of(positions, field_t).expect("NaN instead of errors");
-        let slopes: Vec<[DMat3; 3]> = self.means_of(positions, gradient).expect("NaN instead of errors");
-        let readings = means.into_iter().map(|means| self.reading_t(means)).collect();
-        (readings, slopes.into_iter().map(|slopes| self.gradient(slopes)).collect())
+        let readings =
+            self.of_parts(positions, field_t, Part::reading_t, Part::field_t, |weight, field_t| weight * field_t);
+        let slopes = self.of_parts(positions, gradient, Part::slope, Part::gradient, weighted);
+        (readings.expect("NaN instead of errors"), slopes.expect("NaN instead of errors"))
     }
 
     /// The gradients of the readings.
@@ -158,8 +226,23 @@ impl<'a> SensedField<'a> {
     /// # Errors
     /// If a plate reads a point without a gradient from a position.
     pub fn gradients(&self, positions: &[DVec3]) -> Result<Vec<DMat3>, PointErrors> {
-        let slopes = self.means_of(positions, |points| self.scene.gradient_at(Quantity::FluxDensity, points))?;
-        Ok(slopes.into_iter().map(|slopes: [DMat3; 3]| self.gradient(slopes)).collect())
+        let at = |points: &[DVec3]| self.scene.gradient_at(Quantity::FluxDensity, points);
+        self.of_parts(positions, at, Part::slope, Part::gradient, weighted)
+    }
+
+    /// The readings of each sensor of the head, in their order, at positions of the head.
+    ///
+    /// # Errors
+    /// As [`SensedField::readings_t`].
+    pub fn readings_of_sensors_t(&self, positions: &[DVec3]) -> Result<Vec<Vec<DVec3>>, PointErrors> {
+        let readings = |part: &Part| -> Result<Vec<DVec3>, PointErrors> {
+            let means = part.means(positions, |points| self.scene.field_at(Quantity::FluxDensity, points))?;
+            Ok(means.into_iter().map(|means| part.reading_t(means)).collect())
+        };
+        match &self.parts {
+            Parts::One(part) => Ok(vec![readings(part)?]),
+            Parts::Sum(parts) => parts.iter().map(|(part, _)| readings(part)).collect(),
+        }
     }
 
     /// The flux density of this reading, in the frame of the tiles, after correction of the
@@ -168,35 +251,100 @@ impl<'a> SensedField<'a> {
         self.sensor.rotation * ((reading_t - self.sensor.offset_t) / self.sensor.gain)
     }
 
-    fn reading_t(&self, means: [DVec3; 3]) -> DVec3 {
-        if self.sensor.rotation == DQuat::IDENTITY {
-            // This avoids the round-off of a product with 1.
-            return self.sensor.gain * DVec3::new(means[0].x, means[1].y, means[2].z) + self.sensor.offset_t;
-        }
-        let axes = DMat3::from_quat(self.sensor.rotation);
-        let along = DVec3::from([0, 1, 2].map(|axis| axes.col(axis).dot(means[axis])));
-        self.sensor.gain * along + self.sensor.offset_t
-    }
-
-    fn gradient(&self, slopes: [DMat3; 3]) -> DMat3 {
-        let axes = DMat3::from_quat(self.sensor.rotation);
-        let row = |axis: usize| self.sensor.gain[axis] * (slopes[axis].transpose() * axes.col(axis));
-        DMat3::from_cols(row(0), row(1), row(2)).transpose()
-    }
-
     /// Means over the plates, NaN without a field.
     fn means(&self, positions: &[DVec3]) -> Vec<DVec3> {
         self.readings_and_gradients(positions).0
     }
 
+    /// The reading of one sensor, or the sum of a head, of a quantity at each position.
+    fn of_parts<T>(
+        &self,
+        positions: &[DVec3],
+        at: impl Fn(&[DVec3]) -> Result<Vec<T>, PointErrors>,
+        of_reading: impl Fn(&Part, [T; 3]) -> T,
+        of_field: impl Fn(&Part, [T; 3]) -> T,
+        weighted: impl Fn(DVec3, T) -> T,
+    ) -> Result<Vec<T>, PointErrors>
+    where
+        T: Copy + Add<Output = T> + Mul<f64, Output = T> + Sum,
+    {
+        match &self.parts {
+            Parts::One(part) => {
+                let means = part.means(positions, at)?;
+                Ok(means.into_iter().map(|means| of_reading(part, means)).collect())
+            }
+            Parts::Sum(parts) => {
+                let mut sums: Option<Vec<T>> = None;
+                for (part, weight) in parts {
+                    let means = part.means(positions, &at)?.into_iter();
+                    let terms = means.map(|means| weighted(*weight, of_field(part, means)));
+                    sums = Some(match sums {
+                        None => terms.collect(),
+                        Some(sums) => sums.into_iter().zip(terms).map(|(sum, term)| sum + term).collect(),
+                    });
+                }
+                Ok(sums.unwrap_or_default())
+            }
+        }
+    }
+}
+
+/// A gradient whose rows have weights.
+fn weighted(weight: DVec3, gradient: DMat3) -> DMat3 {
+    DMat3::from_cols(weight * gradient.x_axis, weight * gradient.y_axis, weight * gradient.z_axis)
+}
+
+impl Part {
+    /// A sensor at a place of a head, with a rule of `count` x `count` nodes for each plate.
+    fn new(sensor: HallSensor, place: DVec3, count: usize) -> Part {
+        let mut nodes = nodes(&sensor, count);
+        nodes.iter_mut().flatten().for_each(|node| node.offset += place);
+        Part { sensor, nodes }
+    }
+
+    fn reading_t(&self, means: [DVec3; 3]) -> DVec3 {
+        self.sensor.gain * self.along(means) + self.sensor.offset_t
+    }
+
+    /// The mean flux densities along the axes of the sensor.
+    fn along(&self, means: [DVec3; 3]) -> DVec3 {
+        if self.sensor.rotation == DQuat::IDENTITY {
+            // This avoids the round-off of a product with 1.
+            return DVec3::new(means[0].x, means[1].y, means[2].z);
+        }
+        let axes = DMat3::from_quat(self.sensor.rotation);
+        DVec3::from([0, 1, 2].map(|axis| axes.col(axis).dot(means[axis])))
+    }
+
+    /// The flux density that the sensor reads, along the axes of the film.
+    fn field_t(&self, means: [DVec3; 3]) -> DVec3 {
+        self.sensor.rotation * self.along(means)
+    }
+
+    /// The gradient of the reading.
+    fn slope(&self, slopes: [DMat3; 3]) -> DMat3 {
+        weighted(self.sensor.gain, self.slope_along(slopes))
+    }
+
+    fn slope_along(&self, slopes: [DMat3; 3]) -> DMat3 {
+        let axes = DMat3::from_quat(self.sensor.rotation);
+        let row = |axis: usize| slopes[axis].transpose() * axes.col(axis);
+        DMat3::from_cols(row(0), row(1), row(2)).transpose()
+    }
+
+    /// The gradient of the flux density that the sensor reads.
+    fn gradient(&self, slopes: [DMat3; 3]) -> DMat3 {
+        DMat3::from_quat(self.sensor.rotation) * self.slope_along(slopes)
+    }
+
     /// The means over the plates of x, y and z of a quantity at each position.
-    fn means_of<T>(
+    fn means<T>(
         &self,
         positions: &[DVec3],
         at: impl Fn(&[DVec3]) -> Result<Vec<T>, PointErrors>,
     ) -> Result<Vec<[T; 3]>, PointErrors>
     where
-        T: Copy + std::ops::Mul<f64, Output = T> + std::iter::Sum,
+        T: Copy + Mul<f64, Output = T> + Sum,
     {
         let mut of_plates: Vec<Vec<T>> = Vec::new();
         for nodes in &self.nodes {
