@@ -88,7 +88,13 @@ impl SignedAxes {
         let [x, y, z] = self.axes.map(|axis| axis.name());
         let names = (self.axes != Axis::ALL).then(|| format!("name the columns of the field b{x}, b{y}, b{z}"));
         let gains = (gain != [1, 1, 1]).then(|| format!("set gain = {gain:?} in [sensor]"));
-        names.into_iter().chain(gains).collect::<Vec<_>>().join(", ")
+        // Before a film with mirror images, a stage with this axis reversed reads the same.
+        let of_stage = match (self.axes == Axis::ALL, self.is_reversed) {
+            (true, [true, false, false]) => Some("or, if x of the positions is reversed, change its column".to_owned()),
+            (true, [false, true, false]) => Some("or, if y of the positions is reversed, change its column".to_owned()),
+            _ => None,
+        };
+        names.into_iter().chain(gains).chain(of_stage).collect::<Vec<_>>().join(", ")
     }
 
     /// What makes positions with these axes those that are stated.
@@ -154,7 +160,10 @@ mod tests {
         assert_eq!(of([y, x, z], [true, false, false]), "x, y, z are -y, x, z");
         let remedy = |axes, is_reversed| SignedAxes { axes, is_reversed }.remedy();
         assert_eq!(remedy([y, x, z], [false; 3]), "name the columns of the field by, bx, bz");
-        assert_eq!(remedy([x, y, z], [true, false, false]), "set gain = [-1, 1, 1] in [sensor]");
+        assert_eq!(
+            remedy([x, y, z], [true, false, false]),
+            "set gain = [-1, 1, 1] in [sensor], or, if x of the positions is reversed, change its column"
+        );
         let both = remedy([y, x, z], [true, false, false]);
         assert_eq!(both, "name the columns of the field by, bx, bz, set gain = [1, -1, 1] in [sensor]");
     }
