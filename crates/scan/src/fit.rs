@@ -9,7 +9,7 @@ use magsplice_sensor::SensedField;
 use crate::exclusion::{Exclusion, Plateau};
 use crate::fit_error::ScanError;
 use crate::least_squares::{MADE_RESIDUAL, Scan, ScanFit};
-use crate::parameters::{FreeParameters, ScanParameter, ScanParameters};
+use crate::parameters::{FreeParameters, ScanParameters};
 use crate::signed_axes::SignedAxes;
 use crate::starts::{SIMILAR, Search, Start, starts};
 use crate::units::{FLUX_DENSITIES, LENGTHS};
@@ -59,14 +59,7 @@ const MOST_RESIDUAL: f64 = 0.2;
 const HELD: f64 = 1.5;
 
 /// Share of the readings up to which a residual is round-off, of readings with six digits.
-const ROUND_OFF: f64 = 1e-6;
-
-/// Ratio of von Neumann below which residuals are smooth: noise has 1, and noise with as large
-/// smooth residuals about a half.
-const SMOOTH: f64 = 0.75;
-
-/// Standard deviations of the ratio by which it is below that of noise.
-const CERTAIN: f64 = 4.0;
+pub const ROUND_OFF: f64 = 1e-6;
 
 /// Offset over the root mean square of the readings up to which the strength is held. A larger one
 /// makes up for readings in another unit.
@@ -272,12 +265,10 @@ pub fn fit_determined<'a>(
         true => fit.noise_t <= KNOWN_NOISE * noise_t,
         false => share(fit) <= SMALL_RESIDUAL,
     };
-    let is_noise = |fit: &ScanFit| is_small(fit) && (share(fit) <= ROUND_OFF || !is_smooth(fit));
+    let is_noise = |fit: &ScanFit| is_small(fit) && (share(fit) <= ROUND_OFF || !fit.has_smooth_residuals());
     let all = fitted(FreeParameters::ALL);
-    let is_vague = match &all {
-        Err(ScanError::Undetermined(parameters)) => parameters.contains(&ScanParameter::Strength),
-        of_all => matches!(of_all, Err(ScanError::NoConvergence)),
-    };
+    // Where strength and height look alike, steps end at a film of no strength far away.
+    let is_vague = matches!(all, Err(ScanError::Undetermined(_) | ScanError::NoConvergence | ScanError::Misfit { .. }));
     if !is_vague && !matches!(&all, Ok(fit) if !is_noise(fit)) {
         return Ok((all?, FreeParameters::ALL));
     }
@@ -288,20 +279,6 @@ pub fn fit_determined<'a>(
         }
         _ => Ok((all?, FreeParameters::ALL)),
     }
-}
-
-/// Whether residuals change less from one reading to the next than noise does. Errors of tiles
-/// leave residuals that are smooth along the path of a scan (the ratio of J. von Neumann, Annals of
-/// Mathematical Statistics 12, 1941, 367: half the mean square difference over the mean square).
-fn is_smooth(fit: &ScanFit) -> bool {
-    let used = fit.residuals_t.iter().zip(&fit.exclusions).filter(|(_, exclusion)| exclusion.is_none());
-    let residuals_t: Vec<DVec3> = used.map(|(residual_t, _)| *residual_t).collect();
-    let pairs = residuals_t.windows(2).map(|pair| (pair[1] - pair[0]).length_squared());
-    let differences = pairs.sum::<f64>() / residuals_t.len().saturating_sub(1).max(1) as f64;
-    let squares = residuals_t.iter().map(|residual_t| residual_t.length_squared()).sum::<f64>();
-    let ratio = 0.5 * differences / (squares / residuals_t.len().max(1) as f64);
-    let deviation = 1.0 / (3.0 * residuals_t.len() as f64).sqrt();
-    ratio < SMOOTH.min(1.0 - CERTAIN * deviation)
 }
 
 /// The fit of less changes, or the other if it fits twice as well.

@@ -57,6 +57,13 @@ pub(crate) struct Scan<'a> {
     scales: Vector,
 }
 
+/// Ratio of von Neumann below which residuals are smooth: noise has 1, and noise with as large
+/// smooth residuals about a half.
+const SMOOTH: f64 = 0.75;
+
+/// Standard deviations of the ratio by which it is below that of noise.
+const CERTAIN: f64 = 4.0;
+
 /// A fitted scan. The sensor at p of the stage reads `sensor_axes` of the reading with these
 /// parameters at `stage_axes` of p.
 #[derive(Clone, Debug, PartialEq)]
@@ -82,6 +89,21 @@ impl ScanFit {
     /// The constant reading along the axes of the sensor, in tesla.
     pub fn offset_t(&self) -> DVec3 {
         self.sensor_axes.apply(self.parameters.offset_t)
+    }
+
+    /// Whether residuals change less from one reading to the next than noise does. Errors of tiles
+    /// leave residuals that are smooth along the path of a scan (the ratio of J. von Neumann,
+    /// Annals of Mathematical Statistics 12, 1941, 367: half the mean square difference over the
+    /// mean square).
+    pub fn has_smooth_residuals(&self) -> bool {
+        let used = self.residuals_t.iter().zip(&self.exclusions).filter(|(_, exclusion)| exclusion.is_none());
+        let residuals_t: Vec<DVec3> = used.map(|(residual_t, _)| *residual_t).collect();
+        let pairs = residuals_t.windows(2).map(|pair| (pair[1] - pair[0]).length_squared());
+        let differences = pairs.sum::<f64>() / residuals_t.len().saturating_sub(1).max(1) as f64;
+        let squares = residuals_t.iter().map(|residual_t| residual_t.length_squared()).sum::<f64>();
+        let ratio = 0.5 * differences / (squares / residuals_t.len().max(1) as f64);
+        let deviation = 1.0 / (3.0 * residuals_t.len() as f64).sqrt();
+        ratio < SMOOTH.min(1.0 - CERTAIN * deviation)
     }
 
     /// Standard deviations of [`ScanFit::offset_t`].

@@ -45,7 +45,7 @@ pub use diagnosis::{
     FittedError, MOST_ERRORS, NarrowedError, ScanDiagnosis, SimilarErrors,
 };
 pub use exclusion::{Exclusion, Plateau};
-pub use fit::{KNOWN_NOISE, PLAUSIBLE_STRENGTHS, ScanField, fit_determined, fit_scan};
+pub use fit::{KNOWN_NOISE, PLAUSIBLE_STRENGTHS, ROUND_OFF, ScanField, fit_determined, fit_scan};
 pub use fit_error::ScanError;
 pub use least_squares::ScanFit;
 pub use parameters::{FreeParameters, ScanParameter, ScanParameters};

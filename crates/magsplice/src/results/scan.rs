@@ -4,8 +4,8 @@ use glam::DVec3;
 use magsplice_decouple::{Branch, NoPlanes, Parameters, PerParameter, uniformity_by_planes};
 use magsplice_magnet::Grid;
 use magsplice_scan::{
-    Exclusion, FreeParameters, KNOWN_NOISE, Plateau, ScanError, ScanField, ScanFit, ScanPositions, SignedAxes,
-    fit_determined, fit_scan,
+    Exclusion, FreeParameters, KNOWN_NOISE, Plateau, ROUND_OFF, ScanError, ScanField, ScanFit, ScanPositions,
+    SignedAxes, fit_determined, fit_scan,
 };
 use serde::Serialize;
 
@@ -75,6 +75,9 @@ pub struct FilmScan {
     /// that looks like a tenth of the strength.
     #[serde(skip)]
     pub height_of_strength_mm: Option<f64>,
+    /// Whether the residual is no round-off and smooth along the scan, as that of errors of tiles.
+    #[serde(skip)]
+    pub has_smooth_residuals: bool,
     /// Whether the sensor was above the film and the working volume is below it, or the reverse.
     #[serde(skip)]
     pub is_across: bool,
@@ -218,6 +221,7 @@ impl Film {
             }
             false => None,
         };
+        let has_smooth_residuals = fit.noise_t > ROUND_OFF * reading_t && fit.has_smooth_residuals();
         let is_across = is_across(&self.layout().bare_tiles(), centre_mm, &places_mm);
         let positions = ScanPositions::new(points_mm);
         let numbered = |indices: &[usize]| indices.iter().map(|index| numbers[*index]).collect();
@@ -242,6 +246,7 @@ impl Film {
             simulated_t,
             reading_t,
             height_of_strength_mm,
+            has_smooth_residuals,
             is_across,
             sensor_noise_t: self.layout().sensor.as_ref().map_or(0.0, |of| of.element.deviation_t().max_element()),
         })
@@ -302,7 +307,7 @@ impl FilmScan {
         let held = self.height_of_strength_mm.map(|height_mm| {
             format!(
                 "the strength is not fitted, and the deviations do not contain errors of the tiles, which look like another \
-                 strength, height and offset: each 10 % of strength is about {height_mm:.2} mm of height; a diagnosis with \
+                 strength, height, rotation and offset: each 10 % of strength is about {height_mm:.2} mm of height; a diagnosis with \
                  the expected errors of the tiles (diagnose with --preset and --fit), of readings near the film, fits all and states their deviations"
             )
         });
@@ -314,6 +319,12 @@ impl FilmScan {
                 number(100.0 * share)
             )
         });
+        let smooth = (self.sensor_noise_t == 0.0 && self.height_of_strength_mm.is_none() && self.has_smooth_residuals)
+            .then(|| {
+                "the residual is smooth along the scan, so it is rather of errors of the tiles than noise: the deviations do \
+                 not contain them, and they look like another strength, height, rotation and offset"
+                    .to_owned()
+            });
         let across = self.is_across.then(|| ACROSS.to_owned());
         let plateau = self.excluded.remark();
         plateau
@@ -323,6 +334,7 @@ impl FilmScan {
             .chain(offset)
             .chain(residual)
             .chain(unexplained)
+            .chain(smooth)
             .chain(held)
             .collect()
     }
