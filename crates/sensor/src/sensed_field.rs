@@ -1,5 +1,5 @@
-//! The readings of a Hall sensor, or of a head of several: the field averaged over its plates, along
-//! its axes.
+//! The readings of a Hall sensor, or of a head of several: the field averaged over its plates,
+//! along its axes.
 
 use std::iter::Sum;
 use std::ops::{Add, Mul};
@@ -57,8 +57,8 @@ struct Part {
     nodes: Vec<Vec<Node>>,
 }
 
-/// A quadrature node, relative to the position of the sensor or head and in the frame of the tiles, with
-/// its weight in the mean.
+/// A quadrature node, relative to the position of the sensor or head and in the frame of the tiles,
+/// with its weight in the mean.
 #[derive(Clone, Copy, Debug)]
 struct Node {
     offset: DVec3,
