@@ -4,12 +4,12 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
-use magsplice::Film;
 use magsplice::layout::TileForm;
 use magsplice::prelude::DVec3;
 use magsplice::results::FilmDiagnosis;
-use magsplice::scan::{Diagnosis, FALSE_ALARM};
+use magsplice::scan::{Diagnosis, FALSE_ALARM, ScanError};
 use magsplice::sensor::Noise;
+use magsplice::{Film, FilmError};
 #[cfg(feature = "report")]
 use magsplice_report::diagnosis_figure;
 
@@ -126,7 +126,13 @@ pub(crate) fn run(args: &DiagnoseArgs, quiet: bool) -> Result<(), Failure> {
     let film = session.film()?;
     let found = film
         .diagnose(&points_mm, &readings_t, &lines, args.noise, FitArg::free(&args.fit), args.false_alarm)
-        .map_err(|error| refused(&session, &args.scan, &lines, error))?;
+        .map_err(|error| match error {
+        FilmError::Scan(error @ ScanError::Misfit { .. }) if args.fit.is_empty() => {
+            let advice = "; if it was taken otherwise than stated, --fit fits its strength, offset and place";
+            Failure::at(&args.scan, format!("{error}{advice}"))
+        }
+        error => refused(&session, &args.scan, &lines, error),
+    })?;
     session.progress.end();
     if let Some(file) = found_file.filter(|_| !found.is_rejected) {
         let scan = args.scan.file_name().map_or_else(|| "a scan".into(), |name| name.to_string_lossy());
