@@ -225,10 +225,13 @@ fn reversed_tiles_and_scans_of_few_readings_are_named() {
     );
 }
 
-/// A stray field that is not fitted is named with its value.
+/// A stray field that is not fitted is named with its value, beside errors of a workshop.
 #[test]
 fn offsets_that_explain_a_rejected_scan_are_named() {
-    let sandbox = scanned(&[]);
+    let errors = [(0.04, 1.01, 0.4), (-0.06, 0.99, -0.5), (0.03, 1.005, 0.3), (-0.05, 0.992, -0.6), (0.05, 1.0, 0.5)];
+    let errors: Vec<_> =
+        errors.into_iter().enumerate().map(|(tile, (x, strength, turn))| (tile, x, strength, turn)).collect();
+    let sandbox = scanned(&errors);
     let stray = |row: &[f64]| [row[0], row[1], row[2], row[3] + 300.0, row[4], row[5]];
     let lines: Vec<String> = rows(&sandbox.read("scan.csv"))
         .iter()

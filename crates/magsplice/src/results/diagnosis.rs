@@ -13,20 +13,15 @@ use magsplice_scan::{
 use magsplice_sensor::Noise;
 use serde::Serialize;
 
+use super::error_words::in_words;
 use super::likelier_errors::{MOST_SINGLE_ERRORS, likelier_preset};
 use super::placed_scan::PlacedScan;
 use super::placement::{FittedScan, SensorPlacement};
 use super::scan::ExcludedReadings;
-use super::significant::number;
 use super::source::Source;
 use crate::film::Film;
 use crate::film_error::FilmError;
 use crate::stage::Stage;
-
-/// Standard deviation of the strength beside expected errors from which on it is too small: 60
-/// films made by hand, of a stated deviation of 5 %, scattered 1.6 times as much. Films of jigs and
-/// workshops with deviations of 0.2 % scattered as stated.
-const VAGUE: f64 = 0.02;
 
 /// Cosine of the angle between J and an axis of rotation from which on a turn is about J.
 const ABOUT_J: f64 = 0.99;
@@ -319,65 +314,6 @@ impl Film {
 }
 
 impl FilmDiagnosis {
-    /// What speaks against the diagnosis, one sentence each.
-    pub fn remarks(&self) -> Vec<String> {
-        let made_as = self.made_as.map(|preset| {
-            let single = match (self.diagnosis.detected.len(), self.is_complete) {
-                (_, true) if self.is_residual_too_large => "errors of single tiles do not".to_owned(),
-                (errors, true) => format!("{errors} errors of single tiles are less likely"),
-                (errors, false) => format!("more than {errors} errors of single tiles are less likely"),
-            };
-            format!(
-                "typical errors of every tile (preset {}) explain the scan, and {single}: no tile is reported unless errors \
-                 of every tile are expected",
-                preset.name()
-            )
-        });
-        let is_open = self.made_as.is_none() && self.explained_by.is_none();
-        let residual = (self.is_residual_too_large && is_open).then(|| {
-            format!(
-                "chi squared of the residual is {} times its expectation: the noise is larger than specified, the tiles have \
-                 other or larger errors than are expected (a preset expects errors of every tile), or the positions of the \
-                 scan are wrong",
-                number(self.reduced_chi_squared())
-            )
-        });
-        let placement = self.placement.as_ref().map(ToString::to_string);
-        let explained_by = self.explained_by.as_ref().map(|of| {
-            format!(
-                "errors of tiles explain the scan with {}: fit these parameters with the errors of tiles",
-                of.in_words()
-            )
-        });
-        let strength = self.scan.implausible_strength();
-        let (used, tiles) = (self.readings - self.excluded.count(), self.diagnosis.tiles.len());
-        let few = (used < tiles).then(|| {
-            format!("{used} readings are fewer than {tiles} tiles: most faulty tiles do not show in this scan")
-        });
-        let vague = (self.has_expected_errors && !self.is_rejected && self.scan_deviation.strength > VAGUE).then(|| {
-            "deviations of strength and height are those of a linear model, which is too coarse here: films made by hand \
-             scatter 1.6 times as much; readings nearer to the film determine them, or hold the strength"
-                .to_owned()
-        });
-        let biased = self.diagnosis.is_biased.then(|| {
-            "expected errors of the tiles bias what is fitted of the scan, by more than the stated deviations: fit \
-             readings nearer to the film, or hold the strength"
-                .to_owned()
-        });
-        let plateau = self.excluded.remark();
-        plateau
-            .into_iter()
-            .chain(few)
-            .chain(strength)
-            .chain(biased)
-            .chain(vague)
-            .chain(made_as)
-            .chain(residual)
-            .chain(placement)
-            .chain(explained_by)
-            .collect()
-    }
-
     /// `chi_squared` over its expectation.
     pub fn reduced_chi_squared(&self) -> f64 {
         self.chi_squared / self.degrees_of_freedom as f64
@@ -413,28 +349,6 @@ pub(super) fn made_layout(original: &Layout, tiles: &[Tile]) -> Layout {
         layout.tolerance.map(|tolerance| FilmTolerance { tiles: Vec::new(), groups: Vec::new(), ..tolerance });
     layout.tolerance = layout.tolerance.filter(|tolerance| *tolerance != FilmTolerance::default());
     layout
-}
-
-/// An error in words, with its magnitude.
-fn in_words(detected: &DetectedError) -> String {
-    let magnitude = detected.magnitude();
-    match detected.candidate.kind {
-        ErrorKind::Strength if magnitude < -1.0 => {
-            format!("reversed, with {} % of its strength", rounded(-100.0 * (1.0 + magnitude), 2))
-        }
-        ErrorKind::Strength if magnitude < 0.0 => format!("{} % too weak", rounded(-100.0 * magnitude, 2)),
-        ErrorKind::Strength => format!("{} % too strong", rounded(100.0 * magnitude, 2)),
-        ErrorKind::Turn => format!("turned by {} deg", rounded(magnitude.to_degrees(), 2)),
-        ErrorKind::Direction => format!("J turned by {} deg", rounded(magnitude.to_degrees(), 2)),
-        _ => format!("displaced by {} mm", rounded(magnitude, 3)),
-    }
-}
-
-/// A number with this many decimals, and with more if it would have less than two digits.
-fn rounded(value: f64, decimals: usize) -> String {
-    let first = -value.abs().log10().floor();
-    let needed = if first.is_finite() && first > 0.0 { first as usize + 1 } else { 0 };
-    format!("{value:.*}", decimals.max(needed))
 }
 
 /// Whether an error turns a tile about its J, which hardly changes the field.

@@ -10,7 +10,7 @@ use crate::film_error::FilmError;
 pub(super) const MOST_SINGLE_ERRORS: usize = 3;
 
 /// Typical errors of every tile that are tried instead.
-const PRESETS: [Preset; 2] = [Preset::Workshop, Preset::ByHand];
+const PRESETS: [Preset; 3] = [Preset::Workshop, Preset::Jig, Preset::ByHand];
 
 /// The first preset that explains a scan with less than half as many errors of single tiles.
 /// `diagnosed` is the diagnosis with these errors expected and at most so many errors of single

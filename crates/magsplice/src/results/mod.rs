@@ -22,6 +22,10 @@ mod comparison;
 mod decoupling;
 /// Which tiles of a film that was made are faulty.
 mod diagnosis;
+/// What speaks against a diagnosis.
+mod diagnosis_remarks;
+/// Errors of tiles in words.
+mod error_words;
 /// Experiments in which the film is moved.
 mod experiment;
 /// The field at points.

@@ -66,7 +66,8 @@ impl FittedScan {
         is_exchange.then(|| {
             let remedy = axes.remedy();
             format!(
-                "axes of the sensor: its rotation is that of exchanged axes: {axes}: if it was not mounted so, {remedy}"
+                "axes of the sensor: its rotation is that of exchanged axes: {axes}: if it was not mounted so, {remedy}; \
+                 if it was, state its rotation in [sensor]"
             )
         })
     }

@@ -24,6 +24,10 @@ const LEAST_GAIN: f64 = 1e-3;
 /// readings. For three films made by hand it was at most 1.02; where the fit runs away, thousands.
 const MOST_RISE: f64 = 1.5;
 
+/// Sum of squares over its expectation from which on the model is wrong, and a bias does not
+/// matter. Below it, the fit without bias may pass where least squares end beside the minimum.
+const FAR: f64 = 100.0;
+
 /// Largest number of halvings of a step.
 const MOST_HALVINGS: usize = 12;
 
@@ -73,7 +77,8 @@ impl ScanModel {
             }
         }
         let least = self.steps(readings_t, from, SlopeOf::State, deviations)?;
-        if self.unknowns.expects_errors() && self.unknowns.of_scan() > 0 {
+        let is_near = least.sum_of_squares < FAR * self.freedom(&least.at.is_used) as f64;
+        if self.unknowns.expects_errors() && self.unknowns.of_scan() > 0 && is_near {
             let unbiased = self.steps(readings_t, least.at.clone(), SlopeOf::Ordered, deviations)?;
             if unbiased.is_converged && unbiased.sum_of_squares < MOST_RISE * least.sum_of_squares {
                 return Ok((unbiased.at, unbiased.compared));
@@ -104,7 +109,7 @@ impl ScanModel {
         };
         let prior = |values: &DVector<f64>| Unknowns::sum_of_squares(values, deviations);
         let mut compared = self.compared(&at, readings_t);
-        let readings = (3 * is_used.iter().filter(|is_used| **is_used).count()) as f64;
+        let readings = self.freedom(&is_used) as f64;
         let mut is_converged = false;
         for _ in 0..slope_of.most_steps() {
             let fit = PriorFit::new(&at.gram, &compared.projected, deviations)?;

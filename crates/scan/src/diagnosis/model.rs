@@ -84,6 +84,12 @@ impl ScanModel {
         self.points.iter().map(|point| *point + start).collect()
     }
 
+    /// Number of components of used readings: the expectation of the sum of squares with expected
+    /// errors, but for a few unknowns of the scan.
+    pub(crate) fn freedom(&self, is_used: &[bool]) -> usize {
+        3 * is_used.iter().filter(|is_used| **is_used).count()
+    }
+
     /// The sum of the squared residuals of used readings at a state, each over the square of the
     /// noise.
     pub(crate) fn chi_squared(

@@ -1,6 +1,7 @@
 //! Identified errors, and further results of a scan of a film.
 
 use std::f64::consts::PI;
+use std::ops::RangeInclusive;
 
 use glam::DVec3;
 use magsplice_magnet::{PerTileError, Tile, TileError};
@@ -100,8 +101,9 @@ pub struct Diagnosis {
     pub similar: Vec<SimilarErrors>,
 }
 
-/// Largest change of a strength, as a fraction: a reversed tile has -2.
-const MOST_STRENGTH_ERROR: f64 = 2.0;
+/// Errors of the strength that a tile may have: from a reversed tile of twice its strength, -3, to
+/// a tile of three times its strength.
+const STRENGTH_ERRORS: RangeInclusive<f64> = -3.0..=2.0;
 
 impl Diagnosis {
     /// Whether the residual is too large for the noise: the film has errors of another kind, or the
@@ -111,16 +113,22 @@ impl Diagnosis {
     }
 
     /// Whether every identified error is one that a tile can have: a turn by at most half a turn, a
-    /// displacement by at most the longest side of the tile, and a strength from the reversed
-    /// tile to three times the ordered strength, each beside its deviation.
+    /// displacement by at most the longest side of the tile, and a strength from that of a reversed
+    /// tile of twice its strength to three times the ordered strength, each beside its deviation.
     pub fn has_possible_errors(&self, tiles: &[Tile]) -> bool {
         self.detected.iter().all(|detected| {
-            let largest = match detected.candidate.kind {
-                ErrorKind::Strength => MOST_STRENGTH_ERROR,
-                ErrorKind::Turn | ErrorKind::Direction => PI,
-                ErrorKind::Displacement => tiles[detected.candidate.tile].size().max_element(),
+            let (least, largest) = match detected.candidate.kind {
+                ErrorKind::Strength => STRENGTH_ERRORS.into_inner(),
+                ErrorKind::Turn | ErrorKind::Direction => (-PI, PI),
+                ErrorKind::Displacement => {
+                    let side = tiles[detected.candidate.tile].size().max_element();
+                    (-side, side)
+                }
             };
-            detected.components.iter().all(|of| of.value.abs() <= largest + SIGNIFICANT * of.deviation)
+            detected.components.iter().all(|of| {
+                let beside = SIGNIFICANT * of.deviation;
+                (least - beside..=largest + beside).contains(&of.value)
+            })
         })
     }
 

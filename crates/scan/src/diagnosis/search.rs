@@ -222,7 +222,7 @@ impl Search<'_> {
             return Ok(Next::Complete);
         }
         let left = compared.chi_squared + Unknowns::sum_of_squares(&self.model.values(&at.state), &deviations);
-        let freedom = 3 * at.is_used.iter().filter(|is_used| **is_used).count();
+        let freedom = self.model.freedom(&at.is_used);
         let most_explained = (self.most_errors - detected.len()) as f64 * score.chi_squared;
         let is_hopeless = is_implausible(left, freedom) && most_explained < left - freedom as f64;
         Ok(if is_hopeless { Next::Hopeless } else { Next::Round(more) })
