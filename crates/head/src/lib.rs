@@ -7,9 +7,9 @@
 //!
 //! # Why weights keep the form of Eq. 2
 //! A head at p with sensors at d_i on the board and weights w_i reads b(p) = sum w_i B(p + d_i).
-//! The field of an ideal film (Dai 2024, Eq. 2) has B_z = C_x + C_y with C_x - i B_x = K e^(kz)
-//! e^(ikx) and C_y - i B_y = K e^(kz) e^(iky). A shift by d multiplies these by e^(k d_z) e^(ik d_x)
-//! and e^(k d_z) e^(ik d_y). If
+//! The field of an ideal film (Dai 2024, Eq. 2) has B_z = C_x + C_y with
+//! C_x - i B_x = K e^(kz) e^(ikx) and C_y - i B_y = K e^(kz) e^(iky). A shift by d multiplies these
+//! by e^(k d_z) e^(ik d_x) and e^(k d_z) e^(ik d_y). If
 //!
 //! ```text
 //! sum w_i e^(k z_i) e^(ik x_i) = sum w_i e^(k z_i) e^(ik y_i) = c, a real number,   (1)
