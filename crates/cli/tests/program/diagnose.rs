@@ -228,24 +228,28 @@ fn reversed_tiles_and_scans_of_few_readings_are_named() {
 /// A stray field that is not fitted is named with its value, beside errors of a workshop.
 #[test]
 fn offsets_that_explain_a_rejected_scan_are_named() {
-    let errors = [(0.04, 1.01, 0.4), (-0.06, 0.99, -0.5), (0.03, 1.005, 0.3), (-0.05, 0.992, -0.6), (0.05, 1.0, 0.5)];
-    let errors: Vec<_> =
-        errors.into_iter().enumerate().map(|(tile, (x, strength, turn))| (tile, x, strength, turn)).collect();
-    let sandbox = scanned(&errors);
-    let stray = |row: &[f64]| [row[0], row[1], row[2], row[3] + 300.0, row[4], row[5]];
+    let sandbox = Sandbox::new();
+    let film = sandbox.published_with("[sensor]\nnoise_ut = 5");
+    let points: Vec<String> = (0..441).map(|n| format!("{},{},-1", n % 21 - 10, n / 21 - 10)).collect();
+    sandbox.write("points.csv", &format!("x_mm,y_mm,z_mm\n{}\n", points.join("\n")));
+    let sample = ["--preset", "workshop", "--index", "3", "--points", "points.csv", "--scan", "scan.csv"];
+    assert_eq!(sandbox.run(&[&["tolerance", "sample", &film][..], &sample].concat()).status, 0);
+    let stray = |row: &[f64]| [row[0], row[1], row[2], row[3] + 3e-4, row[4], row[5]];
     let lines: Vec<String> = rows(&sandbox.read("scan.csv"))
         .iter()
         .map(|row| stray(row).map(|value| format!("{value:?}")).join(","))
         .collect();
-    sandbox.write("scan.csv", &format!("x_mm,y_mm,z_mm,bx_ut,by_ut,bz_ut\n{}\n", lines.join("\n")));
-    let said = run(&sandbox, &["--preset", "workshop"]);
-    let explained = "errors of tiles explain the scan with strength 1.0";
+    sandbox.write("scan.csv", &format!("x_mm,y_mm,z_mm,bx_t,by_t,bz_t\n{}\n", lines.join("\n")));
+    let diagnose = ["diagnose", &film, "--scan", "scan.csv", "--preset", "workshop"];
+    let said = sandbox.run(&diagnose);
+    let explained = "errors of tiles explain the scan with strength ";
     let offset =
         said.stderr.split(explained).nth(1).and_then(|rest| rest.split("offset (").nth(1)).expect(&said.stderr);
     let x_ut: f64 = offset.split(',').next().and_then(|x| x.parse().ok()).expect(offset);
-    // The noise of 10 uT of 91 readings leaves 1 uT, errors of a workshop ten times as much.
-    assert!((x_ut - 300.0).abs() < 50.0, "{}", said.stderr);
-    let fitted = run(&sandbox, &["--preset", "workshop", "--fit"]);
+    // Its standard deviation is 0.5 uT.
+    assert!((x_ut - 300.0).abs() < 2.5, "{}", said.stderr);
+    assert!(!said.stderr.contains("chi squared"), "{}", said.stderr);
+    let fitted = sandbox.run(&[&diagnose[..], &["--fit"]].concat());
     assert!(fitted.stdout.contains("no faulty tile"), "{}", fitted.stderr);
 }
 

@@ -160,6 +160,7 @@ pub(crate) fn run(args: &DiagnoseArgs, quiet: bool) -> Result<(), Failure> {
     for remark in found.remarks() {
         let advice = match (found.made_as, found.is_residual_too_large && args.fit.is_empty()) {
             (Some(preset), _) => format!("; --preset {} expects them", preset.name()),
+            (None, _) if found.explained_by.is_some() => "; --fit fits them".to_owned(),
             (None, true) => {
                 "; --preset expects other errors, --fit fits the strength, the offset and the place of the scan"
                     .to_owned()
