@@ -9,7 +9,7 @@ use magsplice_sensor::SensedField;
 use crate::exclusion::{Exclusion, Plateau};
 use crate::fit_error::ScanError;
 use crate::least_squares::{MADE_RESIDUAL, Scan, ScanFit};
-use crate::parameters::{FreeParameters, ScanParameters};
+use crate::parameters::{FreeParameters, ScanParameter, ScanParameters};
 use crate::signed_axes::SignedAxes;
 use crate::starts::{SIMILAR, Search, Start, starts};
 use crate::units::{FLUX_DENSITIES, LENGTHS};
@@ -268,7 +268,12 @@ pub fn fit_determined<'a>(
     let is_noise = |fit: &ScanFit| is_small(fit) && (share(fit) <= ROUND_OFF || !fit.has_smooth_residuals());
     let all = fitted(FreeParameters::ALL);
     // Where strength and height look alike, steps end at a film of no strength far away.
-    let is_vague = matches!(all, Err(ScanError::Undetermined(_) | ScanError::NoConvergence | ScanError::Misfit { .. }));
+    let is_vague = match &all {
+        Err(ScanError::Undetermined(parameters)) => {
+            parameters.iter().any(|of| matches!(of, ScanParameter::Strength | ScanParameter::Start(_)))
+        }
+        of_all => matches!(of_all, Err(ScanError::NoConvergence | ScanError::Misfit { .. })),
+    };
     if !is_vague && !matches!(&all, Ok(fit) if !is_noise(fit)) {
         return Ok((all?, FreeParameters::ALL));
     }
