@@ -45,7 +45,7 @@ pub struct SensedField<'a> {
 #[derive(Clone, Debug)]
 enum Parts {
     /// The reading of one sensor.
-    One(Part),
+    One(Box<Part>),
     /// The weighted sum of the flux densities that sensors read.
     Sum(Vec<(Part, DVec3)>),
 }
@@ -88,7 +88,7 @@ impl<'a> From<&'a Scene> for SensedField<'a> {
     /// The readings of a perfect sensor: B.
     fn from(scene: &'a Scene) -> SensedField<'a> {
         let sensor = HallSensor::default();
-        let parts = Parts::One(Part::new(sensor, DVec3::ZERO, 1));
+        let parts = Parts::One(Box::new(Part::new(sensor, DVec3::ZERO, 1)));
         SensedField { scene, sensor, parts, averaging_error_t: 0.0 }
     }
 }
@@ -102,7 +102,7 @@ impl<'a> SensedField<'a> {
         let sensor = sensor.checked().map_err(SensedFieldError::Sensor)?;
         let with = |count: usize| SensedField {
             sensor,
-            parts: Parts::One(Part::new(sensor, DVec3::ZERO, count)),
+            parts: Parts::One(Box::new(Part::new(sensor, DVec3::ZERO, count))),
             ..SensedField::from(scene)
         };
         SensedField::averaging(with, sensor.active_area == [0.0; 2], volume)
@@ -170,7 +170,7 @@ impl<'a> SensedField<'a> {
     /// Number of quadrature nodes along each side of the active area.
     pub fn nodes_per_side(&self) -> usize {
         let part = match &self.parts {
-            Parts::One(part) => Some(part),
+            Parts::One(part) => Some(&**part),
             Parts::Sum(parts) => parts.first().map(|(part, _)| part),
         };
         part.map_or(0, |part| part.nodes[0].len().isqrt())
