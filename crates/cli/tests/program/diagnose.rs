@@ -207,13 +207,19 @@ fn found_film_is_a_layout() {
     assert!(again.contains("no faulty tile"), "{again}");
 }
 
-/// A tile laid the wrong way round is called reversed. Three readings show hardly a faulty tile.
+/// A tile laid the wrong way round is called reversed, without J missing. Three readings show hardly a faulty tile.
 #[test]
 fn reversed_tiles_and_scans_of_few_readings_are_named() {
     let sandbox = scanned(&[(1, 0.0, -1.0, 0.0)]);
     for preset in [&[][..], &["--preset", "workshop"]] {
         let said = run(&sandbox, preset);
         assert!(said.stdout.contains("  middle-low: reversed, with "), "{}{}", said.stdout, said.stderr);
+    }
+    for (strength, words) in
+        [(-1.05, "middle-low: reversed, with 105"), (0.0, "middle-low: missing, or not magnetized")]
+    {
+        let said = run(&scanned(&[(1, 0.0, strength, 0.0)]), &["--preset", "workshop"]);
+        assert!(said.stdout.contains(words), "{}{}", said.stdout, said.stderr);
     }
     let few: Vec<String> = sandbox.read("scan.csv").lines().take(4).map(str::to_owned).collect();
     sandbox.write("scan.csv", &(few.join("\n") + "\n"));
@@ -251,6 +257,8 @@ fn offsets_that_explain_a_rejected_scan_are_named() {
     assert!(!said.stderr.contains("chi squared"), "{}", said.stderr);
     let fitted = sandbox.run(&[&diagnose[..], &["--fit"]].concat());
     assert!(fitted.stdout.contains("no faulty tile"), "{}", fitted.stderr);
+    let coarse = sandbox.run(&["diagnose", &film, "--scan", "scan.csv", "--preset", "by-hand", "--fit"]);
+    assert!(coarse.stderr.contains("the expected errors are larger than those of the film"), "{}", coarse.stderr);
 }
 
 /// The origin of a stage changes the start of a scan and nothing else. Columns exchanged in a

@@ -2,6 +2,7 @@
 
 use super::diagnosis::FilmDiagnosis;
 use super::error_words::in_words;
+use super::likelier_errors::MOST_SINGLE_ERRORS;
 use super::significant::number;
 
 /// Standard deviation of the strength beside expected errors from which on it is too small: 60
@@ -10,7 +11,7 @@ use super::significant::number;
 const VAGUE: f64 = 0.02;
 
 /// Standard deviations of chi squared below its expectation from which on the expected errors are
-/// larger than those of the film.
+/// larger than those of the film: one right film in a thousand million is so far off.
 const COARSE: f64 = 6.0;
 
 impl FilmDiagnosis {
@@ -63,6 +64,7 @@ impl FilmDiagnosis {
             let single = match (self.diagnosis.detected.len(), self.is_complete) {
                 (_, true) if self.is_residual_too_large => "errors of single tiles do not".to_owned(),
                 (errors, true) => format!("{errors} errors of single tiles are less likely"),
+                (errors, false) if errors < MOST_SINGLE_ERRORS => "errors of single tiles do not".to_owned(),
                 (errors, false) => format!("more than {errors} errors of single tiles are less likely"),
             };
             return Some(format!(
