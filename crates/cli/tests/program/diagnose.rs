@@ -207,7 +207,8 @@ fn found_film_is_a_layout() {
     assert!(again.contains("no faulty tile"), "{again}");
 }
 
-/// A tile laid the wrong way round is called reversed, without J missing. Three readings show hardly a faulty tile.
+/// A tile laid the wrong way round is called reversed, without J missing. Three readings show
+/// hardly a faulty tile.
 #[test]
 fn reversed_tiles_and_scans_of_few_readings_are_named() {
     let sandbox = scanned(&[(1, 0.0, -1.0, 0.0)]);
