@@ -1,9 +1,9 @@
-//! What a head makes of an ideal film, and of stray fields.
+//! The response of a head to an ideal film, and to stray fields.
 
 use glam::{DMat3, DVec2, DVec3};
 
-/// What a head makes of the field of an ideal film, of a uniform field and of one that changes
-/// linearly, as numbers of the equations of the crate.
+/// The response of a head to an ideal film, to a uniform field, and to one that changes linearly:
+/// the sums of Eqs. 1 to 3 of the crate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct HeadForm {

@@ -3,7 +3,7 @@
 //! * [`SensorHead`]: sensors with their places on the board and their weights.
 //! * [`Board`]: the places of boards that people build.
 //! * [`least_noise_weights`]: weights that reject stray fields and keep the form of Eq. 2.
-//! * [`HeadForm`]: what a head makes of an ideal film, of uniform and of linear fields.
+//! * [`HeadForm`]: the response to an ideal film, and to uniform and linear fields.
 //!
 //! # Why weights keep the form of Eq. 2
 //! A head at p with sensors at d_i on the board and weights w_i reads b(p) = sum w_i B(p + d_i).
@@ -35,7 +35,7 @@
 
 /// The places of boards that people build.
 mod board;
-/// What a head makes of an ideal film, and of stray fields.
+/// The response to an ideal film, and to stray fields.
 mod form;
 /// Sensors with places and weights.
 mod sensor_head;

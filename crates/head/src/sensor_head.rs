@@ -34,7 +34,7 @@ impl From<HallSensor> for SensorHead {
 }
 
 impl SensorHead {
-    /// What the head makes of the field of an ideal film with this wavenumber, and of stray fields.
+    /// The response to an ideal film with this wavenumber, and to stray fields.
     pub fn form(&self, wavenumber: f64) -> HeadForm {
         let (places, weights): (Vec<DVec3>, Vec<DVec3>) = self.elements.iter().map(|of| (of.place, of.weight)).unzip();
         HeadForm::new(&places, &weights, wavenumber)
