@@ -41,7 +41,7 @@ pub struct SensedField<'a> {
     averaging_error_t: f64,
 }
 
-/// What is read.
+/// The sensors that are read.
 #[derive(Clone, Debug)]
 enum Parts {
     /// The reading of one sensor.
@@ -112,7 +112,11 @@ impl<'a> SensedField<'a> {
     ///
     /// # Errors
     /// See [`SensedFieldError`].
+    ///
+    /// # Panics
+    /// If the head has no sensor.
     pub fn of_head(scene: &'a Scene, head: &SensorHead, volume: &Grid) -> Result<SensedField<'a>, SensedFieldError> {
+        assert!(!head.elements.is_empty(), "a head has at least one sensor");
         for element in &head.elements {
             element.sensor.checked().map_err(SensedFieldError::Sensor)?;
         }
