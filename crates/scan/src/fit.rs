@@ -240,8 +240,9 @@ fn downwards(points: &[DVec3], centre: Option<DVec3>) -> Option<Start> {
 /// The field falls off exponentially from a film, so a change of the strength is nearly a change of
 /// the height. Errors of the tiles decide between the two unless the residual is noise: as small as
 /// the noise of the sensor or 1 % of the readings, and not smooth along the scan. The strength is
-/// held if the fit of all parameters does not converge, or if it has the residual of a film as made
-/// and hardly a smaller one than with the strength held.
+/// held if the fit of all parameters does not converge, does not determine strength or start, or
+/// does not explain the scan. It is also held if that fit has the residual of a film as made and
+/// hardly a smaller one than with the strength held.
 ///
 /// # Errors
 /// As [`fit_scan`].

@@ -253,7 +253,7 @@ fn offsets_that_explain_a_rejected_scan_are_named() {
     let offset =
         said.stderr.split(explained).nth(1).and_then(|rest| rest.split("offset (").nth(1)).expect(&said.stderr);
     let x_ut: f64 = offset.split(',').next().and_then(|x| x.parse().ok()).expect(offset);
-    // Its standard deviation is 0.5 uT.
+    // The program states a standard deviation of 0.33 uT.
     assert!((x_ut - 300.0).abs() < 2.5, "{}", said.stderr);
     assert!(!said.stderr.contains("chi squared"), "{}", said.stderr);
     let fitted = sandbox.run(&[&diagnose[..], &["--fit"]].concat());

@@ -31,7 +31,7 @@ const AS_REVERSED: f64 = -2.0;
 const REVERSED: RangeInclusive<f64> = -3.0..=-1.0;
 
 /// Share of the sum of squares that a reversed tile explains at least. In films made by hand, 1 mm
-/// below, small tiles at the edge explain 0.09, others 0.5.
+/// below, small tiles at the edge explain 0.09 to 0.25, others 0.5 to 0.85.
 const LEAST_SHARE: f64 = 0.05;
 
 /// Number of readings, with the largest residuals, that are tested as wild.
