@@ -15,27 +15,32 @@ use crate::rotation::Rotation;
 use crate::tolerance::FilmTolerance;
 use crate::units::ten_decimals;
 
+/// Units of round-off, of the largest number of a sum, up to which the sum gets ten decimals. A sum
+/// of decimal numbers differs by a few; the round-off of tiles that touch is far more.
+const DECIMAL_ROUNDINGS: f64 = 8.0;
+
 /// Largest element of the difference of a rotation from a rotation by quarter turns about the axes.
 /// It is round-off: tiles turned by such an angle are as far from their places as by the last digit
 /// of their coordinates.
 const QUARTER_TURN_ROUNDING: f64 = 1e-14;
 
 impl Layout {
-    /// The layout with its tiles moved by a vector in millimetres. Positions have ten decimals.
+    /// The layout with its tiles moved by a vector in millimetres. Sums of numbers of ten decimals
+    /// have ten decimals.
     ///
     /// # Errors
     /// If a position is out of range.
     pub fn moved(self, shift_mm: DVec3) -> Result<Layout, TileFaults> {
         self.with_each_tile(|named| {
             let tile = named.tile;
-            let moved = Tile::new(rounded(tile.position() + shift_mm), tile.size(), tile.polarization_t())?;
+            let moved = Tile::new(sum(tile.position(), shift_mm), tile.size(), tile.polarization_t())?;
             Ok(NamedTile { tile: moved.rotated(tile.rotation())?, ..named })
         })
     }
 
-    /// The layout with its tiles turned as one rigid body about a point in millimetres. Positions
-    /// have ten decimals. Quarter turns about the axes exchange the sides of tiles, so that edges
-    /// that are parallel remain so to the last digit.
+    /// The layout with its tiles turned as one rigid body about a point in millimetres. Quarter
+    /// turns about the axes exchange the sides of tiles and keep ten decimals, so that edges that are
+    /// parallel remain so to the last digit.
     ///
     /// # Errors
     /// If a position is out of range.
@@ -45,7 +50,7 @@ impl Layout {
         self.with_each_tile(|named| {
             let tile = named.tile;
             let arm = tile.position() - about_mm;
-            let position = rounded(about_mm + turn.map_or_else(|| rotation * arm, |turn| turn * arm));
+            let position = sum(about_mm, turn.map_or_else(|| rotation * arm, |turn| turn * arm));
             let (size, polarization_t, own) = match turn {
                 Some(turn) => {
                     let size = DMat3::from_cols_array(&turn.to_cols_array().map(f64::abs)) * tile.size();
@@ -131,8 +136,16 @@ impl Layout {
     }
 }
 
-fn rounded(position: DVec3) -> DVec3 {
-    position.to_array().map(ten_decimals).into()
+/// The sum of two vectors, without the round-off of decimal numbers. Other digits are kept: ten
+/// decimals of turned tiles would let tiles that touch overlap.
+fn sum(a: DVec3, b: DVec3) -> DVec3 {
+    let of = |axis: usize| {
+        let (sum, largest) = (a[axis] + b[axis], a[axis].abs().max(b[axis].abs()));
+        let decimal = ten_decimals(sum);
+        let is_decimal = (decimal - sum).abs() <= DECIMAL_ROUNDINGS * f64::EPSILON * largest;
+        if is_decimal { decimal } else { sum }
+    };
+    DVec3::new(of(0), of(1), of(2))
 }
 
 /// The matrix of a rotation by quarter turns about the axes, exact. `None` for other rotations.

@@ -94,6 +94,23 @@ fn turned_tiles_are_turned_bodies() {
     }
 }
 
+/// Tiles that touch still touch after turns and moves, as the round-off of their positions is that
+/// of the turn.
+#[test]
+fn turned_films_do_not_overlap() {
+    for text in [
+        include_str!("../../../../layouts/published-film.toml"),
+        include_str!("../../../../layouts/designed-tilted.toml"),
+    ] {
+        let film = Layout::parse(text, "film").unwrap_or_else(|error| panic!("{error}"));
+        for (axis, angle_deg) in [([0.0, 0.0, 1.0], 30.0), ([1.0, -2.0, 0.3], 77.7)] {
+            let turned =
+                film.clone().rotated(Rotation::AxisAngle { axis, angle_deg }, DVec3::new(3.3, 0.1, -20.0)).unwrap();
+            read_back(&read_back(&turned).moved(DVec3::new(0.7, -33.3, 1.0 / 3.0)).unwrap());
+        }
+    }
+}
+
 #[test]
 fn selected_tiles_keep_their_errors() {
     let one = read_back(&pad().with_selected_tiles(&[1]));
