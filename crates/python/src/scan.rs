@@ -58,7 +58,9 @@ pub(crate) fn sample<'py>(
     let points = vectors(&points)?.to_vec();
     let made = film.with_tables(py, film.layout_with_errors(preset)?)?;
     if made.layout().tolerance.is_none() {
-        return Err(bad_value("preset is missing and the layout has no [tolerance]: give one of them"));
+        return Err(bad_value(
+            "preset is missing and the layout has no [tolerance]: give one of them; an empty [tolerance] is a film as ordered",
+        ));
     }
     let found = run(py, made, |made| made.sampled_scan(points, seed, index))?;
     let text = found.made_layout(&film.layout, PROGRAM).to_toml();

@@ -88,7 +88,7 @@ def test_scans_that_are_hardly_of_the_film_warn(published):
         published.scan(points, 10 * published.b(points))
     with pytest.raises(ValueError, match="1 readings for 2 points"):
         published.scan([[0, 0, -4], [1, 0, -4]], [[0, 0, 0]])
-    with pytest.raises(ValueError, match="fit = 'strength', must be a list of words"):
+    with pytest.raises(ValueError, match="fit = 'strength', must be \"all\" or a list of"):
         published.scan(points, points, fit="strength")
     with pytest.raises(magsplice.MagspliceError, match="readings"):
         published.scan([[0, 0, -4]], [[0, 0, 1e-3]])

@@ -146,10 +146,13 @@ class SampledScan(OfFilm, Table):
         return {**points, **split(("bx_t", "by_t", "bz_t"), self.readings_t)}
 
 
-def fitted_words(fit: Collection[Unknown]) -> list[str]:
+def fitted_words(fit: Collection[Unknown] | Literal["all"]) -> list[str]:
     """Parameters to fit. ValueError for other words."""
-    if isinstance(fit, str):
-        raise ValueError(f"fit = {fit!r}, must be a list of words")
+    if isinstance(fit, str) and fit == "all":
+        return list(UNKNOWNS)
+    if isinstance(fit, str) or not isinstance(fit, Collection):
+        shown = ", ".join(f'"{word}"' for word in UNKNOWNS)
+        raise ValueError(f'fit = {fit!r}, must be "all" or a list of {shown}')
     return [one_of("fit", word, UNKNOWNS) for word in fit]
 
 

@@ -232,7 +232,7 @@ class Sensed(Assembly):
         points_mm: ArrayLike,
         readings_t: ArrayLike,
         *,
-        fit: Collection[Unknown] | None = None,
+        fit: Collection[Unknown] | Literal["all"] | None = None,
     ) -> Scan:
         """Comparison of a measured scan with the film, as in ``magsplice scan``.
 
@@ -245,7 +245,7 @@ class Sensed(Assembly):
         readings_t : array_like of shape (..., 3)
             Readings of the sensor of ``[sensor]`` there, in tesla; without this table, B. Readings
             with NaN are excluded.
-        fit : collection of {"strength", "offset", "rotation", "start"}, optional
+        fit : "all" or collection of {"strength", "offset", "rotation", "start"}, optional
             Parameters to fit: the strength of all tiles, a constant reading, the rotation of the
             sensor, its position at the origin of the scan. Default: all; where errors of tiles look
             like another strength and height, all but the strength.
@@ -322,7 +322,7 @@ class Sensed(Assembly):
         noise_t: float | Sequence[float] | None = None,
         preset: Preset | None = None,
         as_ordered: bool = False,
-        fit: Collection[Unknown] = (),
+        fit: Collection[Unknown] | Literal["all"] = (),
         false_alarm: float = 0.002,
     ) -> Diagnosis:
         """Weak, turned or displaced tiles, from a scan of the field near the film.
@@ -343,9 +343,10 @@ class Sensed(Assembly):
             Expected errors of every tile, instead of ``[tolerance]``.
         as_ordered : bool
             Whether to ignore ``[tolerance]``: other tiles count as exactly as ordered.
-        fit : collection of {"strength", "offset", "rotation", "start"}
+        fit : "all" or collection of {"strength", "offset", "rotation", "start"}
             Unknown parameters of the scan, to be fitted: the strength of all tiles, a constant
-            reading, the rotation of the sensor, its position at the origin of the scan.
+            reading, the rotation of the sensor, its position at the origin of the scan. Default:
+            none, for a scan at the stated positions.
         false_alarm : float
             Probability that a tile of a fault-free film is reported.
 

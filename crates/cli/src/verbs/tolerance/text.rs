@@ -33,7 +33,7 @@ pub(crate) fn samples(film: &Film, result: &SampledFilm) -> String {
     if let Some(depth_mm) = result.overlap_mm.filter(|depth_mm| *depth_mm > 0.0) {
         let overlap = format!(
             "tiles of the first samples overlap by up to {depth_mm:.2} mm, because the errors of neighbours are \
-             independent: placed tiles push each other aside, which a gap between them avoids"
+             independent: placed tiles push each other aside, unless each gap is larger by this depth"
         );
         rows::prose(&mut text, &overlap);
     }
