@@ -37,6 +37,8 @@ mod sample_scan;
 mod signed_axes;
 /// Where a fit starts.
 mod starts;
+/// The tile that most likely has another strength.
+mod suspect;
 /// Units that are given by mistake.
 mod units;
 
@@ -52,4 +54,5 @@ pub use parameters::{FreeParameters, ScanParameter, ScanParameters};
 pub use positions::ScanPositions;
 pub use sample_scan::{SampleScan, SampleScanError};
 pub use signed_axes::SignedAxes;
+pub use suspect::suspect_strength;
 pub use units::FLUX_DENSITIES;

@@ -3,25 +3,21 @@
 use std::collections::BTreeMap;
 
 use glam::DVec3;
-use magsplice_field::Scene;
 use magsplice_layout::{FilmTolerance, Layout, Preset};
 use magsplice_magnet::{Quantity, Tile, TileError};
 use magsplice_scan::{
-    Candidate, DetectedError, Diagnosis, DiagnosisError, DiagnosisSettings, ErrorKind, Exclusion, FieldScan,
-    FreeParameters, MOST_ERRORS, NarrowedError, ScanDiagnosis, ScanError, ScanParameters,
+    Candidate, DetectedError, Diagnosis, ErrorKind, Exclusion, FreeParameters, NarrowedError, ScanError,
 };
 use magsplice_sensor::Noise;
 use serde::Serialize;
 
 use super::error_words::in_words;
-use super::likelier_errors::{MOST_SINGLE_ERRORS, likelier_preset};
-use super::placed_scan::PlacedScan;
 use super::placement::{FittedScan, SensorPlacement};
 use super::scan::ExcludedReadings;
 use super::source::Source;
+use super::tile_search::{Searched, TileSearch};
 use crate::film::Film;
 use crate::film_error::FilmError;
-use crate::stage::Stage;
 
 /// Cosine of the angle between J and an axis of rotation from which on a turn is about J.
 const ABOUT_J: f64 = 0.99;
@@ -201,41 +197,17 @@ impl Film {
         });
         let expected = expected.unwrap_or_default();
         let has_expected_errors = expected != FilmTolerance::default();
-        let ordered = Scene::new(&tiles);
-        let placed = PlacedScan::new(&tiles, &ordered, points_mm, &field_t, noise_t, self.centre_mm());
-        self.tell(Stage::uncounted("fitting the place of the scan"));
-        let mut start = placed.start(free)?;
-        // The positions count from the fitted start, which the prior of the start is about.
-        let origin_mm = std::mem::take(&mut start.start);
-        let places_mm: Vec<DVec3> = points_mm.iter().map(|point| *point + origin_mm).collect();
-        let diagnosed_with = |free: FreeParameters, expected: FilmTolerance, most_errors: usize| {
-            let settings =
-                DiagnosisSettings { expected, free, false_alarm, most_errors, ..DiagnosisSettings::default() };
-            let failed = |error: DiagnosisError| match error {
-                DiagnosisError::Points(errors) => FilmError::Points(errors),
-                error => FilmError::Diagnosis(error),
-            };
-            self.tell(Stage::uncounted("preparing the diagnosis"));
-            let scan = FieldScan { points_mm: places_mm.clone(), noise_t };
-            let model = ScanDiagnosis::new(&tiles, scan, settings, start).map_err(failed)?;
-            let show = |found: usize| {
-                self.tell(Stage { name: "faulty tiles", done: found, of: None, unit: "errors identified" });
-            };
-            model.diagnose(&field_t, show).map_err(failed)
+        let search = TileSearch {
+            film: self,
+            tiles: &tiles,
+            points_mm,
+            field_t: &field_t,
+            noise_t,
+            expected: &expected,
+            free,
+            false_alarm,
         };
-        let diagnosed = |expected: FilmTolerance, most_errors: usize| diagnosed_with(free, expected, most_errors);
-        let likelier_than = |errors: usize| likelier_preset(tiles.len(), errors, diagnosed);
-        let mut made_as = None;
-        let mut diagnosis =
-            diagnosed(expected.clone(), if has_expected_errors { MOST_ERRORS } else { MOST_SINGLE_ERRORS })?;
-        if !has_expected_errors && !diagnosis.is_complete {
-            made_as = likelier_than(MOST_SINGLE_ERRORS + 1)?;
-            if made_as.is_none() {
-                diagnosis = diagnosed(expected.clone(), MOST_ERRORS)?;
-                made_as = likelier_than(diagnosis.detected.len())?;
-            }
-        }
-        diagnosis.scan.start += origin_mm;
+        let Searched { mut diagnosis, is_rejected, made_as, placement, explained_by } = search.run()?;
         // Saturated readings were withheld as unfinished.
         for (exclusion, unusable) in diagnosis.exclusions.iter_mut().zip(&unusable) {
             *exclusion = unusable.or(*exclusion);
@@ -263,24 +235,7 @@ impl Film {
             after: of.error.shown(of.after),
             is_about_j: is_about_j(self.layout(), of),
         };
-        let is_residual_too_large = diagnosis.is_residual_too_large();
         let scan = FittedScan::new(&diagnosis.scan, diagnosis.scan.offset_t);
-        let is_impossible =
-            is_residual_too_large || !diagnosis.has_possible_errors(&tiles) || scan.implausible_strength().is_some();
-        let is_open = is_impossible && made_as.is_none();
-        let placement = is_open.then(|| placed.explaining(diagnosis.residual_t())).transpose()?.flatten();
-        // Where errors of single tiles explain no scan, one may remain beside typical errors.
-        if is_open && !has_expected_errors && placement.is_none() {
-            made_as = likelier_than(diagnosis.detected.len() + 2)?;
-        }
-        let is_rejected = is_impossible || made_as.is_some();
-        let mut explained_by = None;
-        if is_open && made_as.is_none() && placement.is_none() && free != FreeParameters::ALL {
-            let refit = diagnosed_with(FreeParameters::ALL, expected, MOST_SINGLE_ERRORS)?;
-            let found = ScanParameters { start: refit.scan.start + origin_mm, ..refit.scan };
-            explained_by = (refit.is_complete && !refit.is_residual_too_large() && refit.has_possible_errors(&tiles))
-                .then(|| FittedScan::new(&found, found.offset_t));
-        }
         let listed = if is_rejected { &[][..] } else { &diagnosis.detected };
         let similar = diagnosis.similar.iter().map(|of| SimilarPair {
             tiles: [of.first.0, of.second.0].map(name),
@@ -301,7 +256,7 @@ impl Film {
             residual_t: diagnosis.residual_t(),
             chi_squared: diagnosis.chi_squared,
             degrees_of_freedom: diagnosis.degrees_of_freedom,
-            is_residual_too_large,
+            is_residual_too_large: diagnosis.is_residual_too_large(),
             is_rejected,
             made_as,
             placement,

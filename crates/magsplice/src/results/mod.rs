@@ -70,6 +70,7 @@ mod significant;
 mod source;
 /// [`Table`]: rows, quantities and metadata, from which every format is written.
 mod table;
+mod tile_search;
 
 pub use assignment::{FilmAssignment, Shim};
 pub use at_limit::{larger_range, range_of_setting};

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use magsplice_field::Scene;
 use magsplice_magnet::{Quantity, Tile};
-use magsplice_scan::{FreeParameters, ScanError, ScanFit, ScanParameters, fit_determined, fit_scan};
+use magsplice_scan::{FreeParameters, ScanError, ScanFit, ScanParameters, fit_determined, fit_scan, suspect_strength};
 
 use super::placement::{FittedScan, SensorPlacement, is_across};
 use crate::film_error::FilmError;
@@ -17,36 +17,84 @@ const EXPLAINED: f64 = 0.25;
 /// residual.
 const MISPLACED: f64 = 0.1;
 
-/// The same above which errors of tiles explain no scan. Errors of all tiles of films made by hand
-/// leave a tenth.
+/// The same above which errors of tiles explain no scan, if none are expected. Errors of all tiles
+/// of films made by hand leave a tenth, 3 mm below.
 const HOPELESS: f64 = 0.2;
 
-/// Share of the squared residual that one tile explains if it is faulty in a film of few tiles.
-const ONE_TILE: f64 = 0.5;
+/// Largest number of tiles of another strength that are searched before the sensor is placed. More
+/// of them are searched beside all other errors.
+const MOST_SUSPECTS: usize = 3;
 
-/// A scan of the field of a film as ordered. Readings that are not used are NaN.
+/// A scan of the field of a film. Readings that are not used are NaN.
 pub(super) struct PlacedScan<'a> {
     tiles: &'a [Tile],
-    ordered: &'a Scene,
+    /// The film as ordered, but for tiles of another strength that the scan shows by themselves.
+    film: Scene,
     points_mm: &'a [DVec3],
     field_t: &'a [DVec3],
     /// Square of the noise of a component.
     noise_squared: f64,
     /// Where the middle of the scan is likely.
     centre_mm: Option<DVec3>,
+    /// Whether errors of tiles are expected. Some leave large residuals, which another placement
+    /// explains in part: it is then believed only where the diagnosis is rejected.
+    expects_errors: bool,
 }
 
 impl<'a> PlacedScan<'a> {
-    /// `ordered` is the scene of the tiles.
+    /// The scan of a film that has `tiles` as ordered.
+    ///
+    /// # Errors
+    /// [`FilmError::Scan`] for positions or readings in another unit, and [`FilmError::Points`] for
+    /// points without a field.
     pub(super) fn new(
         tiles: &'a [Tile],
-        ordered: &'a Scene,
         points_mm: &'a [DVec3],
         field_t: &'a [DVec3],
         noise_t: DVec3,
         centre_mm: Option<DVec3>,
-    ) -> PlacedScan<'a> {
-        PlacedScan { tiles, ordered, points_mm, field_t, noise_squared: noise_t.length_squared() / 3.0, centre_mm }
+        expects_errors: bool,
+    ) -> Result<PlacedScan<'a>, FilmError> {
+        let (film, noise_squared) = (Scene::new(tiles), noise_t.length_squared() / 3.0);
+        let ordered = PlacedScan { tiles, film, points_mm, field_t, noise_squared, centre_mm, expects_errors };
+        ordered.with_suspects()
+    }
+
+    /// The scan with tiles of another strength, each of which explains most of what the placement
+    /// of the sensor leaves. Without them the placement would explain a part of their field.
+    fn with_suspects(mut self) -> Result<PlacedScan<'a>, FilmError> {
+        let mut tiles = self.tiles.to_vec();
+        let mut excess = self.excess()?;
+        for _ in 0..MOST_SUSPECTS {
+            if excess.is_none() {
+                break;
+            }
+            let suspect = suspect_strength(&tiles, self.points_mm, self.field_t).map_err(FilmError::Points)?;
+            let Some((index, error)) = suspect else { break };
+            let of = tiles[index];
+            let changed = Tile::new(of.position(), of.size(), (1.0 + error) * of.polarization_t());
+            let Ok(changed) = changed.and_then(|changed| changed.rotated(of.rotation())) else { break };
+            tiles[index] = changed;
+            let before = std::mem::replace(&mut self.film, Scene::new(&tiles));
+            let left = self.excess()?;
+            if left.unwrap_or(0.0) > EXPLAINED * excess.unwrap_or(f64::INFINITY) {
+                self.film = before;
+                break;
+            }
+            excess = left;
+        }
+        Ok(self)
+    }
+
+    /// Square of the residual beyond the noise with the placement that fits best; `None` if it is a
+    /// small part of the readings, or if the stated placement is not possible.
+    fn excess(&self) -> Result<Option<f64>, FilmError> {
+        let Ok([residual_t, reading_t]) = self.medians(&ScanParameters::PERFECT) else { return Ok(None) };
+        if residual_t <= MISPLACED * reading_t {
+            return Ok(None);
+        }
+        let fitted_t = self.determined()?.map_or(residual_t, |fit| fit.noise_t.min(residual_t));
+        Ok((fitted_t > MISPLACED * reading_t).then_some(fitted_t.powi(2) - self.noise_squared))
     }
 
     /// The parameters of the film as ordered, of which `free` are fitted; those of a perfect scan
@@ -60,7 +108,7 @@ impl<'a> PlacedScan<'a> {
         let fit = match free {
             FreeParameters::NONE => None,
             FreeParameters::ALL => self.determined()?,
-            _ => in_stated_units(fit_scan(self.ordered, self.points_mm, self.field_t, free, self.centre_mm))?,
+            _ => in_stated_units(fit_scan(&self.film, self.points_mm, self.field_t, free, self.centre_mm))?,
         };
         if let Some(fit) = fit.as_ref().filter(|fit| self.is_otherwise(fit)) {
             let determined = self.determined()?;
@@ -73,10 +121,10 @@ impl<'a> PlacedScan<'a> {
                 None => Err(error),
             });
         let [residual_t, reading_t] = medians?;
-        let placement = (residual_t > MISPLACED * reading_t).then(|| self.explaining(residual_t)).transpose()?;
-        match placement.flatten() {
-            Some(placement) => Err(FilmError::Misplaced(Box::new(placement))),
-            None if residual_t > HOPELESS * reading_t && !self.is_of_one_tile(&start)? => {
+        let other = (residual_t > MISPLACED * reading_t).then(|| self.explaining_fit(residual_t)).transpose()?;
+        match other.flatten().filter(|fit| !self.expects_errors || self.is_otherwise(fit)) {
+            Some(fit) => Err(FilmError::Misplaced(Box::new(self.placement(&fit)))),
+            None if residual_t > HOPELESS * reading_t && !self.expects_errors => {
                 Err(FilmError::Scan(ScanError::Misfit { residual_t, reading_t }))
             }
             None => Ok(start),
@@ -104,7 +152,7 @@ impl<'a> PlacedScan<'a> {
 
     /// The fit as a scan states it, with the strength held where errors of tiles look like it.
     fn determined(&self) -> Result<Option<ScanFit>, FilmError> {
-        let fit = fit_determined(self.ordered, self.points_mm, self.field_t, self.centre_mm);
+        let fit = fit_determined(&self.film, self.points_mm, self.field_t, self.centre_mm);
         in_stated_units(fit.map(|(fit, _)| fit))
     }
 
@@ -113,40 +161,20 @@ impl<'a> PlacedScan<'a> {
     /// # Errors
     /// [`FilmError::Scan`] for positions or readings in another unit.
     pub(super) fn explaining(&self, residual_t: f64) -> Result<Option<SensorPlacement>, FilmError> {
-        let excess = |residual_t: f64| residual_t.powi(2) - self.noise_squared;
-        let explains = |fit: &ScanFit| excess(fit.noise_t) < EXPLAINED * excess(residual_t);
-        Ok(self.determined()?.filter(explains).map(|fit| self.placement(&fit)))
+        Ok(self.explaining_fit(residual_t)?.map(|fit| self.placement(&fit)))
     }
 
-    /// Whether another strength of one tile, such as a reversed one, explains half of the residual.
-    fn is_of_one_tile(&self, start: &ScanParameters) -> Result<bool, FilmError> {
-        let places: Vec<DVec3> = self.points_mm.iter().map(|point| *point + start.start).collect();
-        let read_t = |scene: &Scene| -> Result<Vec<DVec3>, FilmError> {
-            let field_t = scene.field_at(Quantity::FluxDensity, &places).map_err(FilmError::Points)?;
-            let of = field_t.into_iter().map(|b| start.reading_t(b) - start.offset_t);
-            Ok(of.zip(self.field_t).map(|(of, read)| if read.is_finite() { of } else { DVec3::ZERO }).collect())
-        };
-        let dot = |a: &[DVec3], b: &[DVec3]| a.iter().zip(b).map(|(a, b)| a.dot(*b)).sum::<f64>();
-        let ordered_t = read_t(self.ordered)?;
-        let residual = |(read, of): (&DVec3, &DVec3)| {
-            if read.is_finite() { *read - start.offset_t - *of } else { DVec3::ZERO }
-        };
-        let residuals_t: Vec<DVec3> = self.field_t.iter().zip(&ordered_t).map(residual).collect();
-        let all = dot(&residuals_t, &residuals_t);
-        for tile in self.tiles {
-            let of_tile = read_t(&Scene::new(std::slice::from_ref(tile)))?;
-            if dot(&residuals_t, &of_tile).powi(2) > ONE_TILE * all * dot(&of_tile, &of_tile) {
-                return Ok(true);
-            }
-        }
-        Ok(false)
+    fn explaining_fit(&self, residual_t: f64) -> Result<Option<ScanFit>, FilmError> {
+        let excess = |residual_t: f64| residual_t.powi(2) - self.noise_squared;
+        let explains = |fit: &ScanFit| excess(fit.noise_t) < EXPLAINED * excess(residual_t);
+        Ok(self.determined()?.filter(explains))
     }
 
     /// Residual and reading of one component, in tesla, from the medians of their squares, in which
     /// a few wild readings do not count.
     fn medians(&self, start: &ScanParameters) -> Result<[f64; 2], FilmError> {
         let places: Vec<DVec3> = self.points_mm.iter().map(|point| *point + start.start).collect();
-        let ordered_t = self.ordered.field_at(Quantity::FluxDensity, &places).map_err(FilmError::Points)?;
+        let ordered_t = self.film.field_at(Quantity::FluxDensity, &places).map_err(FilmError::Points)?;
         let used = self.field_t.iter().zip(ordered_t).filter(|(read_t, _)| read_t.is_finite());
         let (mut residuals, mut readings): (Vec<f64>, Vec<f64>) = used
             .map(|(read_t, of_t)| {

@@ -295,11 +295,15 @@ impl FilmScan {
                 number(1e6 * offset_t)
             )
         });
+        let outliers = match self.excluded.outliers.is_empty() {
+            true => "",
+            false => "; the outliers may be readings near such tiles, to be diagnosed and not left out",
+        };
         let residual = self.excessive_residual().map(|ratio| {
             format!(
                 "the residual is {} times the noise of the sensor: the film differs from the layout, the positions of the \
                  scan are wrong, or the noise is larger than stated; the deviations do not contain this. Errors of tiles \
-                 look like another strength and height{}",
+                 look like another strength and height{}{outliers}",
                 number(ratio),
                 if self.fit.strength { ": a fit of offset, rotation and start alone holds the strength" } else { "" }
             )
@@ -321,9 +325,11 @@ impl FilmScan {
         });
         let smooth = (self.sensor_noise_t == 0.0 && self.height_of_strength_mm.is_none() && self.has_smooth_residuals)
             .then(|| {
-                "the residual is smooth along the scan, so it is rather of errors of the tiles than noise: the deviations do \
-                 not contain them, and they look like another strength, height, rotation and offset"
-                    .to_owned()
+                format!(
+                    "the residual is smooth along the scan, so it is rather of errors of the tiles than noise: the \
+                     deviations do not contain them, and they look like another strength, height, rotation and \
+                     offset{outliers}"
+                )
             });
         let across = self.is_across.then(|| ACROSS.to_owned());
         let plateau = self.excluded.remark();

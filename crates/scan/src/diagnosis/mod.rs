@@ -36,6 +36,7 @@ mod unresolved;
 
 pub use candidate::{Candidate, ErrorKind};
 pub use error::DiagnosisError;
+pub(crate) use result::STRENGTH_ERRORS;
 pub use result::{DetectedError, Diagnosis, FittedError};
 pub use scan_diagnosis::ScanDiagnosis;
 pub use settings::{DiagnosisSettings, FALSE_ALARM, FieldScan, MOST_ERRORS};

@@ -103,7 +103,7 @@ pub struct Diagnosis {
 
 /// Errors of the strength that a tile may have: from a reversed tile of twice its strength, -3, to
 /// a tile of three times its strength.
-const STRENGTH_ERRORS: RangeInclusive<f64> = -3.0..=2.0;
+pub(crate) const STRENGTH_ERRORS: RangeInclusive<f64> = -3.0..=2.0;
 
 impl Diagnosis {
     /// Whether the residual is too large for the noise: the film has errors of another kind, or the

@@ -77,15 +77,21 @@ impl Search<'_> {
         let mut visited: Vec<Vec<Candidate>> = vec![Vec::new()];
         let deviations = |detected: &[Candidate]| self.model.unknowns.with_detected(detected);
         let usable = start.is_used.clone();
-        // Wild readings are excluded before they pull the first fit.
-        let mut start = self.with_reversed(start, &mut detected)?;
+        let ordered = self.with_reversed(start, &mut detected)?;
+        // Wild readings are excluded before they pull the first fit. Where too many seem wild, the
+        // errors are too large for the linear model: the fit decides.
+        let mut start = ordered.clone();
         loop {
             let compared = self.model.compared(&start, self.readings_t);
-            let wild = self.wild(&start, &compared, &detected)?;
-            if wild.is_empty() {
-                break;
-            }
-            start = start.without(&wild);
+            start = match self.wild(&start, &compared, &detected) {
+                Ok(wild) if wild.is_empty() => break,
+                Ok(wild) => start.without(&wild),
+                Err(DiagnosisError::AnotherFilm { .. }) => {
+                    start = ordered;
+                    break;
+                }
+                Err(error) => return Err(error),
+            };
         }
         visited.push(sorted(&detected));
         let (mut at, mut compared) = self.model.converged(self.readings_t, start, &deviations(&detected))?;

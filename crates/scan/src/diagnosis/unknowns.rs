@@ -101,6 +101,17 @@ impl Unknowns {
         deviations
     }
 
+    /// Deviations with those of expected errors over a factor. Identified errors and parameters of
+    /// the scan keep theirs.
+    pub(crate) fn with_expected_over(&self, deviations: &[f64], factor: f64) -> Vec<f64> {
+        let all = self.list.iter().zip(&self.expected).zip(deviations);
+        all.map(|((unknown, expected), deviation)| match unknown {
+            Unknown::Tile { .. } | Unknown::Group { .. } if expected == deviation => deviation / factor,
+            _ => *deviation,
+        })
+        .collect()
+    }
+
     /// The sum of the squares of values over their deviations.
     pub(crate) fn sum_of_squares(values: &DVector<f64>, deviations: &[f64]) -> f64 {
         let expected = values.iter().zip(deviations).filter(|(_, deviation)| **deviation > 0.0);

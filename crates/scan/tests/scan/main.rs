@@ -5,4 +5,5 @@ mod diagnosis;
 mod fit;
 mod noisy;
 mod sample_scan;
+mod suspect;
 mod wild;

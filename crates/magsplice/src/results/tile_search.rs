@@ -1,0 +1,124 @@
+//! The search for errors of tiles in a scan: with the errors that the layout expects, with typical
+//! errors of every tile instead, and with another placement of the sensor where it is rejected.
+
+use glam::DVec3;
+use magsplice_layout::{FilmTolerance, Preset};
+use magsplice_magnet::Tile;
+use magsplice_scan::{
+    Diagnosis, DiagnosisError, DiagnosisSettings, FieldScan, FreeParameters, MOST_ERRORS, ScanDiagnosis, ScanParameters,
+};
+
+use super::likelier_errors::{MOST_SINGLE_ERRORS, likelier_preset};
+use super::placed_scan::PlacedScan;
+use super::placement::{FittedScan, SensorPlacement};
+use crate::film::Film;
+use crate::film_error::FilmError;
+use crate::stage::Stage;
+
+/// A scan of the field of a film, and what is searched in it.
+pub(super) struct TileSearch<'a> {
+    pub(super) film: &'a Film,
+    pub(super) tiles: &'a [Tile],
+    pub(super) points_mm: &'a [DVec3],
+    /// The field that the sensor read, along the axes of the film; NaN for unusable readings.
+    pub(super) field_t: &'a [DVec3],
+    pub(super) noise_t: DVec3,
+    /// Expected errors of tiles and groups.
+    pub(super) expected: &'a FilmTolerance,
+    pub(super) free: FreeParameters,
+    pub(super) false_alarm: f64,
+}
+
+/// What a search found.
+pub(super) struct Searched {
+    pub(super) diagnosis: Diagnosis,
+    /// See [`FilmDiagnosis`](super::diagnosis::FilmDiagnosis), as the next ones.
+    pub(super) is_rejected: bool,
+    pub(super) made_as: Option<Preset>,
+    pub(super) placement: Option<SensorPlacement>,
+    pub(super) explained_by: Option<FittedScan>,
+}
+
+impl TileSearch<'_> {
+    /// # Errors
+    /// As [`Film::diagnose`].
+    pub(super) fn run(&self) -> Result<Searched, FilmError> {
+        let expects_errors = *self.expected != FilmTolerance::default();
+        self.film.tell(Stage::uncounted("fitting the place of the scan"));
+        let centre_mm = self.film.centre_mm();
+        let placed =
+            PlacedScan::new(self.tiles, self.points_mm, self.field_t, self.noise_t, centre_mm, expects_errors)?;
+        let start = placed.start(self.free)?;
+        let searched =
+            |expected: FilmTolerance, most_errors: usize| self.diagnosed(start, self.free, expected, most_errors);
+        let likelier_than = |errors: usize| likelier_preset(self.tiles.len(), errors, searched);
+        let mut made_as = None;
+        let mut diagnosis =
+            searched(self.expected.clone(), if expects_errors { MOST_ERRORS } else { MOST_SINGLE_ERRORS })?;
+        if !expects_errors && !diagnosis.is_complete {
+            made_as = likelier_than(MOST_SINGLE_ERRORS + 1)?;
+            if made_as.is_none() {
+                diagnosis = searched(self.expected.clone(), MOST_ERRORS)?;
+                made_as = likelier_than(diagnosis.detected.len())?;
+            }
+        }
+        let is_impossible = !self.is_possible(&diagnosis);
+        let is_open = is_impossible && made_as.is_none();
+        let placement = is_open.then(|| placed.explaining(diagnosis.residual_t())).transpose()?.flatten();
+        // Where errors of single tiles explain no scan, one may remain beside typical errors.
+        if is_open && !expects_errors && placement.is_none() {
+            made_as = likelier_than(diagnosis.detected.len() + 2)?;
+        }
+        let is_rejected = is_impossible || made_as.is_some();
+        let explained_by = match is_open && made_as.is_none() && placement.is_none() {
+            true => self.explained_by(&placed)?,
+            false => None,
+        };
+        Ok(Searched { diagnosis, is_rejected, made_as, placement, explained_by })
+    }
+
+    /// The diagnosis from a start that the scan is near, with its place in the frame of the film.
+    fn diagnosed(
+        &self,
+        start: ScanParameters,
+        free: FreeParameters,
+        expected: FilmTolerance,
+        most_errors: usize,
+    ) -> Result<Diagnosis, FilmError> {
+        let settings =
+            DiagnosisSettings { expected, free, false_alarm: self.false_alarm, most_errors, ..Default::default() };
+        let failed = |error: DiagnosisError| match error {
+            DiagnosisError::Points(errors) => FilmError::Points(errors),
+            error => FilmError::Diagnosis(error),
+        };
+        self.film.tell(Stage::uncounted("preparing the diagnosis"));
+        // The positions count from the start, which the prior of the start is about.
+        let points_mm = self.points_mm.iter().map(|point| *point + start.start).collect();
+        let scan = FieldScan { points_mm, noise_t: self.noise_t };
+        let at_start = ScanParameters { start: DVec3::ZERO, ..start };
+        let model = ScanDiagnosis::new(self.tiles, scan, settings, at_start).map_err(failed)?;
+        let show = |found: usize| {
+            self.film.tell(Stage { name: "faulty tiles", done: found, of: None, unit: "errors identified" });
+        };
+        let mut diagnosis = model.diagnose(self.field_t, show).map_err(failed)?;
+        diagnosis.scan.start += start.start;
+        Ok(diagnosis)
+    }
+
+    /// Whether noise, errors that tiles can have, and a strength of this film explain a scan.
+    fn is_possible(&self, found: &Diagnosis) -> bool {
+        let scan = FittedScan::new(&found.scan, found.scan.offset_t);
+        !found.is_residual_too_large() && found.has_possible_errors(self.tiles) && scan.implausible_strength().is_none()
+    }
+
+    /// The parameters of the scan with which few errors of tiles explain it.
+    fn explained_by(&self, placed: &PlacedScan) -> Result<Option<FittedScan>, FilmError> {
+        if self.free == FreeParameters::ALL {
+            return Ok(None);
+        }
+        let Ok(start) = placed.start(FreeParameters::ALL) else { return Ok(None) };
+        let found = self.diagnosed(start, FreeParameters::ALL, self.expected.clone(), MOST_SINGLE_ERRORS)?;
+        let is_explained = found.is_complete && self.is_possible(&found);
+        Ok(is_explained.then(|| FittedScan::new(&found.scan, found.scan.offset_t)))
+    }
+}
