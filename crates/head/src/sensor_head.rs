@@ -1,6 +1,6 @@
 //! Sensors with places and weights.
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use magsplice_magnet::HallSensor;
 
 use crate::form::HeadForm;
@@ -17,8 +17,8 @@ pub struct HeadElement {
     pub weight: DVec3,
 }
 
-/// Hall sensors on one rigid board. The head reads the sum of their readings, each times its
-/// weight. Its position is that of the origin of the board.
+/// Hall sensors on one rigid board. The head reads the sum of their corrected readings, each times
+/// its weight. Its position is that of the origin of the board.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct SensorHead {
@@ -40,21 +40,33 @@ impl SensorHead {
         HeadForm::new(&places, &weights, wavenumber)
     }
 
-    /// Standard deviation of the weighted sum of one reading of each sensor, along each axis.
+    /// Standard deviation of the weighted sum of one corrected reading of each sensor, along each
+    /// axis of the film.
     pub fn deviation_t(&self) -> DVec3 {
-        let squares = self.elements.iter().map(|of| {
-            let deviation_t = of.weight * of.sensor.deviation_t();
-            deviation_t * deviation_t
-        });
-        squares.sum::<DVec3>().map(f64::sqrt)
+        let variance = |of: &HeadElement| -> DVec3 {
+            let own_t = of.sensor.deviation_t() / of.sensor.gain;
+            let axes = DMat3::from_quat(of.sensor.rotation);
+            let squared = DMat3::from_cols_array(&axes.to_cols_array().map(|element| element * element));
+            of.weight * of.weight * (squared * (own_t * own_t))
+        };
+        self.elements.iter().map(variance).sum::<DVec3>().map(f64::sqrt)
     }
 
-    /// The weighted sum of one reading of each sensor, in their order.
+    /// The sensor that reads the weighted sum: without errors but for the noise of the sum, and
+    /// without the limits of the sensors.
+    pub fn as_one(&self) -> HallSensor {
+        HallSensor { noise_t: self.deviation_t(), ..HallSensor::default() }
+    }
+
+    /// The weighted sum of one reading of each sensor, in their order, along the axes of the film
+    /// and without the offsets, gains and rotations of the sensors.
     ///
     /// # Panics
     /// If there are not as many readings as sensors.
     pub fn sum_t(&self, readings_t: &[DVec3]) -> DVec3 {
         assert_eq!(readings_t.len(), self.elements.len(), "one reading of each sensor");
-        self.elements.iter().zip(readings_t).map(|(of, reading_t)| of.weight * *reading_t).sum()
+        let corrected_t = |of: &HallSensor, reading_t: DVec3| of.rotation * ((reading_t - of.offset_t) / of.gain);
+        let terms = self.elements.iter().zip(readings_t);
+        terms.map(|(of, reading_t)| of.weight * corrected_t(&of.sensor, *reading_t)).sum()
     }
 }

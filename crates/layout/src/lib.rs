@@ -58,6 +58,10 @@ mod finding;
 mod findings;
 /// A hash of what determines samples.
 mod fingerprint;
+/// The keys of one Hall sensor.
+mod hall_keys;
+/// Several Hall sensors read as one.
+mod head;
 /// `[ideal]`: the sinusoidal film to compare with.
 mod ideal;
 /// The checked layout: tiles, ideal film, working volume.
@@ -109,6 +113,7 @@ pub use file::edit::TileForm;
 pub use file::schema::schema;
 pub use file::text::is_layout;
 pub use finding::{Finding, FindingSubject};
+pub use head::StatedHead;
 pub use layout::{Layout, NamedTile, SourceFile};
 pub use limits::{BYTES_PER_POINT, MAX_NAME_BYTES, SAMPLE_COUNTS};
 pub use material::Material;

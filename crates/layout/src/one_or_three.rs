@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::faults::{Rule, TableFaults};
 
 /// One number for all axes, or one for each.
-#[derive(Clone, Copy, Deserialize, JsonSchema, Serialize)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[serde(untagged)]
 pub(crate) enum OneOrThree {
     /// The same for all.

@@ -182,7 +182,7 @@ impl Rotation {
 
 /// A rotation about the tile's centre, from the tile's own frame to the film's. It is given once:
 /// as axis and angle_deg, as quaternion, as euler_deg and order, or as matrix.
-#[derive(Default, Deserialize, JsonSchema, Serialize)]
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
 #[schemars(rename = "Rotation")]
 #[schemars(extend("example" = "{ axis = [0, 0, 1], angle_deg = 30 }"))]
 pub(crate) struct RotationTable {

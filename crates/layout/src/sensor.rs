@@ -1,16 +1,16 @@
 //! `[sensor]`: the three-axis Hall sensor below the film.
 
-use glam::{DQuat, DVec3};
-use magsplice_magnet::{Axis, GAIN_MAGNITUDES, HallSensor};
+use glam::DVec3;
+use magsplice_magnet::{Axis, HallSensor};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::error_unit::ErrorUnit;
-use crate::faults::{FINITE, Faults, NOT_NEGATIVE, POSITIVE, Rule, TableFaults};
-use crate::names::shown;
-use crate::one_or_three::OneOrThree;
-use crate::rotation::{Rotation, RotationTable};
-use crate::sensor_part::{GAINS, Part, PartSetting, RESOLUTIONS};
+use crate::faults::{Faults, POSITIVE};
+use crate::hall_keys::{HallKeys, StatedHall};
+use crate::head::{HeadKeys, StatedHead};
+use crate::places::Place;
+use crate::rotation::Rotation;
+use crate::sensor_part::{Part, PartSetting};
 
 /// The sensor that a layout states.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,63 +23,19 @@ pub struct StatedSensor {
     pub rate_hz: Option<f64>,
     /// The rotation as written, from which the one of `element` was computed.
     pub rotation: Option<Rotation>,
-    /// What it reads. Lengths in millimetres.
+    /// What it reads, or what each sensor of the head reads that states nothing else. Lengths in
+    /// millimetres.
     pub element: HallSensor,
-}
-
-/// The three-axis Hall sensor below the film. Without this table it is perfect: points without
-/// errors, noise or limits.
-#[derive(Default, Deserialize, JsonSchema, Serialize)]
-#[schemars(rename = "Sensor")]
-pub(crate) struct SensorTable {
-    /// A part with known numbers: MLX90393, TLV493D, LIS3MDL or MMC5983MA. The keys beside it
-    /// replace its numbers.
-    part: Option<String>,
-    /// Register GAIN_SEL of an MLX90393, from 0 to 7. Default: 7, the highest gain.
-    gain_sel: Option<u8>,
-    /// Register RES of an MLX90393, from 0 to 3: one for all axes, or three. Default: 0.
-    res: Option<OneOrThree>,
-    /// Full scale of a LIS3MDL in gauss: 4, 8, 12 or 16. Default: 16.
-    full_scale_gauss: Option<u8>,
-    /// Standard deviation of the noise of a reading, in microtesla: one for all axes, or three.
-    /// Default: 0.
-    noise_ut: Option<OneOrThree>,
-    /// Flux density of one count, in microtesla: one for all axes, or three. Default: 0, readings
-    /// are not rounded.
-    count_ut: Option<OneOrThree>,
-    /// Largest flux density that is read, in millitesla: one for all axes, or three. Default: no
-    /// limit.
-    range_mt: Option<OneOrThree>,
-    /// Readings per second. Default: not stated.
-    rate_hz: Option<f64>,
-    /// Reading over flux density: one for all axes, or three. Default: 1.
-    gain: Option<OneOrThree>,
-    /// Reading without a field, in microtesla: one for all axes, or three. Default: 0.
-    offset_ut: Option<OneOrThree>,
-    /// Rotation of the sensor in the frame of the film. Default: none.
-    rotation: Option<RotationTable>,
-    /// Sides of the rectangle along x and y of the sensor that a plate averages over, in mm.
-    /// Default: points.
-    #[schemars(extend("example" = "[0.1, 0.1]"))]
-    active_area_mm: Option<[f64; 2]>,
-    /// Centres of the plates in the frame of the sensor. Default: all at its position.
-    #[schemars(extend("example" = "{ z = [0.0, 0.0, -0.1] }"))]
-    plates_mm: Option<PlatesTable>,
-}
-
-/// Centres of the plates that read x, y and z, in the frame of the sensor, in mm. Default: its
-/// position.
-#[derive(Clone, Copy, Default, Deserialize, JsonSchema, Serialize)]
-pub(crate) struct PlatesTable {
-    /// Centre of the plate that reads B_x.
-    x: Option<[f64; 3]>,
-    /// Centre of the plate that reads B_y.
-    y: Option<[f64; 3]>,
-    /// Centre of the plate that reads B_z.
-    z: Option<[f64; 3]>,
+    /// The sensors of a head.
+    pub head: Option<StatedHead>,
 }
 
 impl StatedSensor {
+    /// The sensor that reads what the layout states: the sensor itself, or that of a head.
+    pub fn as_one(&self) -> HallSensor {
+        self.head.as_ref().map_or(self.element, |head| head.sensors.as_one())
+    }
+
     /// The finest setting of the part whose range holds these readings in tesla, and this range.
     /// The range must be larger than the sensor's along axes with a reading at its limit. `None`
     /// without a part, and if no setting of the part has such a range.
@@ -95,137 +51,51 @@ impl StatedSensor {
     }
 }
 
-/// A key with a number for each axis: its name, unit and rule, as it is written, and in memory.
-type AxisKey<'k> = (&'static str, ErrorUnit, Rule, &'k mut Option<OneOrThree>, &'k mut DVec3);
-
-/// Number of the first keys for which parts have numbers of their own.
-const OF_PARTS: usize = 3;
-
-const GAIN: Rule = Rule {
-    is_kept: |gain| GAIN_MAGNITUDES.contains(&gain.abs()),
-    words: "must be from 1e-6 to 1e6, or from -1e6 to -1e-6",
-};
+/// The three-axis Hall sensor below the film, or a head of several. Without this table it is
+/// perfect: points without errors, noise or limits.
+#[derive(Default, Deserialize, JsonSchema, Serialize)]
+#[schemars(rename = "Sensor")]
+pub(crate) struct SensorTable {
+    #[serde(flatten)]
+    hall: HallKeys,
+    /// Readings per second. Default: that of the part, else not stated.
+    rate_hz: Option<f64>,
+    #[serde(flatten)]
+    head: HeadKeys,
+}
 
 impl SensorTable {
-    fn keys<'k>(&'k mut self, element: &'k mut HallSensor) -> [AxisKey<'k>; 5] {
-        let (ut, mt) = (ErrorUnit::Microtesla, ErrorUnit::Millitesla);
-        [
-            ("noise_ut", ut, NOT_NEGATIVE, &mut self.noise_ut, &mut element.noise_t),
-            ("count_ut", ut, NOT_NEGATIVE, &mut self.count_ut, &mut element.count_t),
-            ("range_mt", mt, POSITIVE, &mut self.range_mt, &mut element.range_t),
-            ("gain", ErrorUnit::Fraction, GAIN, &mut self.gain, &mut element.gain),
-            ("offset_ut", ut, FINITE, &mut self.offset_ut, &mut element.offset_t),
-        ]
-    }
-
-    /// The sensor, or `None` after adding its faults.
-    pub(crate) fn resolve(mut self, faults: &mut TableFaults) -> Option<StatedSensor> {
-        let before = faults.count();
-        let part = self.part.as_deref().map(|name| part(name, faults)).unwrap_or_default();
-        let setting = self.setting(&part, faults);
-        self.noise_ut = self.noise_ut.or(part.noise_ut);
-        let mut element = HallSensor::default();
-        if let Some(scale) = part.scale(setting.or(part.default_setting())) {
-            (element.count_t, element.range_t) = (scale.count_t, scale.range_t);
-        }
-        for (name, unit, rule, written, value) in self.keys(&mut element) {
-            let Some(written) = *written else { continue };
-            written.check(name, rule, faults);
-            *value = DVec3::from(written).map(|value| unit.read(value));
-        }
-        let PlatesTable { x, y, z } = self.plates_mm.unwrap_or_default();
-        let plates = [x, y, z].map(Option::unwrap_or_default);
-        for (axis, place) in Axis::ALL.into_iter().zip(plates) {
-            faults.point(format_args!("plates_mm.{axis}"), place);
-        }
-        element.plates = plates.map(DVec3::from);
-        element.active_area = self.active_area_mm.unwrap_or(element.active_area);
-        faults.numbers("active_area_mm", &element.active_area, NOT_NEGATIVE);
-        let rate_hz = self.rate_hz.or(part.rate_hz);
-        faults.number("rate_hz", rate_hz, POSITIVE);
-        let rotation = self.rotation.and_then(|table| table.resolve(faults));
-        if faults.count() > before {
+    /// The sensor below an ideal film of this wavelength in millimetres, or `None` after adding
+    /// faults.
+    pub(crate) fn resolve(
+        self,
+        wavelength_mm: Option<f64>,
+        place: &Place,
+        faults: &mut Faults,
+    ) -> Option<StatedSensor> {
+        let mut own = faults.at(place.start, "sensor");
+        let hall = self.hall.clone().resolve(&mut own);
+        own.number("rate_hz", self.rate_hz, POSITIVE);
+        let (before, has_head) = (faults.count(), self.head.is_given());
+        let head =
+            hall.as_ref().and_then(|of| self.head.resolve(&self.hall, &of.element, wavelength_mm, place, faults));
+        let StatedHall { part, setting, rate_hz, rotation, element } = hall?;
+        if faults.count() > before || has_head != head.is_some() {
             return None;
         }
-        element.rotation = rotation.map_or(DQuat::IDENTITY, |rotation| rotation.quaternion());
-        let element = element.checked().map_err(|fault| faults.add(fault.to_string())).ok()?;
-        Some(StatedSensor { part: self.part, setting, rate_hz, rotation, element })
-    }
-
-    /// The setting of the part as written. `None` without one, or after adding a fault.
-    fn setting(&self, part: &Part, faults: &mut TableFaults) -> Option<PartSetting> {
-        let default = part.default_setting();
-        let is_gain = matches!(default, Some(PartSetting::Gain { .. }));
-        let is_scale = matches!(default, Some(PartSetting::FullScale { .. }));
-        let value = |value: Option<u8>| value.map(|value| value.to_string());
-        for (key, value, is_of_part, owner) in [
-            ("gain_sel", value(self.gain_sel), is_gain, "MLX90393"),
-            ("res", self.res.map(|res| res.to_string()), is_gain, "MLX90393"),
-            ("full_scale_gauss", value(self.full_scale_gauss), is_scale, "LIS3MDL"),
-        ] {
-            if let Some(value) = value.filter(|_| !is_of_part) {
-                faults.add(format!("{key} = {value}, is a setting of part = \"{owner}\" only"));
-            }
-        }
-        match default? {
-            PartSetting::Gain { gain_sel, res } if self.gain_sel.is_some() || self.res.is_some() => {
-                let gain_sel = self.gain_sel.unwrap_or(gain_sel);
-                let is_kept = usize::from(gain_sel) < GAINS;
-                faults.require(is_kept, "gain_sel", gain_sel, "must be a whole number from 0 to 7");
-                let before = faults.count();
-                self.res.inspect(|res| res.check("res", RESOLUTION, faults));
-                let is_kept = is_kept && faults.count() == before;
-                // A number that keeps its rule is whole and small.
-                let res = self.res.map_or(res, |res| DVec3::from(res).to_array().map(|res| res as u8));
-                is_kept.then_some(PartSetting::Gain { gain_sel, res })
-            }
-            PartSetting::FullScale { .. } => {
-                let setting = PartSetting::FullScale { gauss: self.full_scale_gauss? };
-                let is_kept = part.scale(Some(setting)).is_some();
-                let gauss = self.full_scale_gauss.unwrap_or_default();
-                faults.require(is_kept, "full_scale_gauss", gauss, "must be 4, 8, 12 or 16");
-                is_kept.then_some(setting)
-            }
-            PartSetting::Gain { .. } => None,
-        }
+        Some(StatedSensor { part, setting, rate_hz: self.rate_hz.or(rate_hz), rotation, element, head })
     }
 }
 
-const RESOLUTION: Rule = Rule {
-    is_kept: |res| (0..RESOLUTIONS).any(|known| known as f64 == res),
-    words: "must be a whole number from 0 to 3",
-};
-
-/// The table of a sensor, with all numbers written out that a perfect one does not have.
 impl From<&StatedSensor> for SensorTable {
-    fn from(StatedSensor { part, setting, rate_hz, rotation, element }: &StatedSensor) -> SensorTable {
-        let mut perfect = HallSensor::default();
-        let (gain_sel, res, full_scale_gauss) = match *setting {
-            Some(PartSetting::Gain { gain_sel, res }) => {
-                (Some(gain_sel), Some(DVec3::from(res.map(f64::from)).into()), None)
-            }
-            Some(PartSetting::FullScale { gauss }) => (None, None, Some(gauss)),
-            None => (None, None, None),
-        };
-        let [x, y, z] = element.plates.map(|place| (place != DVec3::ZERO).then(|| place.to_array()));
-        let mut table = SensorTable {
-            part: part.clone(),
-            gain_sel,
-            res,
-            full_scale_gauss,
-            rate_hz: *rate_hz,
-            rotation: rotation.map(Into::into),
-            active_area_mm: (element.active_area != perfect.active_area).then_some(element.active_area),
-            plates_mm: x.or(y).or(z).map(|_| PlatesTable { x, y, z }),
-            ..SensorTable::default()
-        };
-        let defaults = SensorTable::default().keys(&mut perfect).map(|(.., value)| *value);
-        for (index, (_, unit, _, written, value)) in table.keys(&mut element.clone()).into_iter().enumerate() {
-            // A part has numbers of its own, so a perfect value beside it must be written too.
-            let is_given = *value != defaults[index] || (index < OF_PARTS && part.is_some());
-            *written = (is_given && value.is_finite()).then(|| value.map(|value| unit.written(value)).into());
+    fn from(sensor: &StatedSensor) -> SensorTable {
+        let StatedSensor { part, setting, rate_hz, rotation, element, head } = sensor.clone();
+        let hall = StatedHall { part, setting, rate_hz, rotation, element };
+        SensorTable {
+            rate_hz,
+            hall: HallKeys::from(&hall),
+            head: head.as_ref().map(HeadKeys::from).unwrap_or_default(),
         }
-        table
     }
 }
 
@@ -237,18 +107,9 @@ impl StatedSensor {
 
     /// A part with known numbers, by its name. `None` if there is no such part.
     pub fn of_part(name: &str) -> Option<StatedSensor> {
-        let table = SensorTable { part: Some(name.to_owned()), ..SensorTable::default() };
-        Part::named(name).and_then(|_| table.resolve(&mut Faults::new("").at(0, "sensor")))
+        let table = SensorTable { hall: HallKeys::of_part(name), ..SensorTable::default() };
+        Part::named(name).and_then(|_| table.resolve(None, &Place::default(), &mut Faults::new("")))
     }
-}
-
-/// The numbers of a part by its name, or none after adding a fault.
-fn part(name: &str, faults: &mut TableFaults) -> Part {
-    Part::named(name).unwrap_or_else(|| {
-        let known = StatedSensor::part_names().join(", ");
-        faults.add(format!("part = \"{}\", must be one of: {known}; or leave it out", shown(name)));
-        Part::default()
-    })
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@ use std::sync::{Arc, OnceLock};
 
 use glam::DVec3;
 use magsplice_field::Scene;
+use magsplice_head::SensorHead;
 use magsplice_ideal::IdealFilm;
 use magsplice_layout::{BYTES_PER_POINT, Layout, WorkingVolume};
 use magsplice_magnet::{Accuracy, Grid, PointError, PointErrorCause, PointErrors, Quantity};
@@ -189,7 +190,7 @@ impl Film {
     /// If the layout states no errors.
     pub fn real_film(&self) -> Result<RealFilm, FilmError> {
         let tolerance = self.layout.tolerance.as_ref().ok_or(FilmError::Missing("tolerance"))?;
-        Ok(self.weakened(RealFilm::new(&self.layout.bare_tiles(), tolerance)))
+        Ok(self.weakened(RealFilm::new(&self.layout.bare_tiles(), tolerance)).with_head(self.head().cloned()))
     }
 
     /// A film with other tiles at the places of this film. Its tiles weaken and turn as the tiles
@@ -210,10 +211,24 @@ impl Film {
     /// # Errors
     /// [`FilmError::Sensor`] if the field changes too much over the active area.
     pub fn sensed_field(&self, volume: &Grid) -> Result<SensedField<'_>, FilmError> {
-        match &self.layout.sensor {
-            Some(sensor) => SensedField::new(&self.scene, sensor.element, volume).map_err(FilmError::Sensor),
-            None => Ok(SensedField::from(&*self.scene)),
-        }
+        let sensed = match (&self.layout.sensor, self.head()) {
+            (_, Some(head)) => SensedField::of_head(&self.scene, head, volume),
+            (Some(sensor), None) => SensedField::new(&self.scene, sensor.element, volume),
+            (None, None) => Ok(SensedField::from(&*self.scene)),
+        };
+        sensed.map_err(FilmError::Sensor)
+    }
+
+    /// The head of the layout; `None` for one sensor.
+    pub fn head(&self) -> Option<&SensorHead> {
+        Some(&self.layout.sensor.as_ref()?.head.as_ref()?.sensors)
+    }
+
+    /// The field at a position of the sensor: at the position itself, or the weighted sum over the
+    /// places of a head.
+    pub(crate) fn seen_t<E>(&self, position: DVec3, field_t: impl Fn(DVec3) -> Result<DVec3, E>) -> Result<DVec3, E> {
+        let Some(head) = self.head() else { return field_t(position) };
+        head.elements.iter().try_fold(DVec3::ZERO, |sum, of| Ok(sum + of.weight * field_t(position + of.place)?))
     }
 
     /// The points of the working volume and the reference point, for work that takes so many bytes
@@ -226,8 +241,8 @@ impl Film {
         Ok(EvaluationGrid { grid: volume.grid, reference: volume.reference_mm })
     }
 
-    /// B in tesla on the grid of the working volume, z fastest, to the film's accuracy. It is
-    /// computed once.
+    /// B in tesla on the grid of the working volume, z fastest, to the film's accuracy. Of a head,
+    /// it is the weighted sum of B at the places of its sensors. It is computed once.
     ///
     /// # Errors
     /// [`FilmError::Missing`] if the layout has no working volume; [`FilmError::Memory`] if it has
@@ -239,6 +254,9 @@ impl Film {
 
     fn field_of_volume_t(&self) -> Result<Vec<DVec3>, FilmError> {
         let grid = &self.volume_for(BYTES_PER_POINT)?.grid;
+        if self.head().is_some() {
+            return self.field_at_t(&grid.points().collect::<Vec<DVec3>>());
+        }
         let mut field = vec![DVec3::ZERO; grid.len()];
         let evaluated = self.with_counted_points(grid.len(), |progress| {
             self.scene.field_on_grid_with_progress(Quantity::FluxDensity, grid, &mut field, progress)
@@ -246,16 +264,26 @@ impl Film {
         evaluated.map(|()| field).map_err(FilmError::Points)
     }
 
-    /// B in tesla at points, in their order, to the film's accuracy.
+    /// B in tesla at points, in their order, to the film's accuracy. Of a head, it is the weighted
+    /// sum of B at the places of its sensors.
     ///
     /// # Errors
     /// [`FilmError::Points`] if the field does not exist at some of the points.
     pub fn field_at_t(&self, points: &[DVec3]) -> Result<Vec<DVec3>, FilmError> {
-        let mut field = vec![DVec3::ZERO; points.len()];
-        let evaluated = self.with_counted_points(points.len(), |progress| {
-            self.scene.field_with_progress(Quantity::FluxDensity, points, &mut field, progress)
-        });
-        evaluated.map(|()| field).map_err(FilmError::Points)
+        let one = |points: &[DVec3]| -> Result<Vec<DVec3>, FilmError> {
+            let mut field = vec![DVec3::ZERO; points.len()];
+            let evaluated = self.with_counted_points(points.len(), |progress| {
+                self.scene.field_with_progress(Quantity::FluxDensity, points, &mut field, progress)
+            });
+            evaluated.map(|()| field).map_err(FilmError::Points)
+        };
+        let Some(head) = self.head() else { return one(points) };
+        let mut sums = vec![DVec3::ZERO; points.len()];
+        for of in &head.elements {
+            let places: Vec<DVec3> = points.iter().map(|point| *point + of.place).collect();
+            sums.iter_mut().zip(one(&places)?).for_each(|(sum, b)| *sum += of.weight * b);
+        }
+        Ok(sums)
     }
 
     /// A callback that is called, from any thread, as often as something begins, and reports how
@@ -282,6 +310,7 @@ impl Film {
     }
 
     /// B in tesla at the reference point of the working volume, exact for any accuracy of the film.
+    /// Of a head, it is the weighted sum of B at the places of its sensors.
     ///
     /// # Errors
     /// If the layout has no working volume, or the field does not exist at the point.
@@ -289,7 +318,7 @@ impl Film {
         let point = self.volume()?.reference_mm;
         let refused =
             |cause: PointErrorCause| FilmError::Points(PointErrors(vec![PointError { index: 0, point, cause }]));
-        self.scene.field(Quantity::FluxDensity, point).map_err(refused)
+        self.seen_t(point, |place| self.scene.field(Quantity::FluxDensity, place).map_err(refused))
     }
 }
 

@@ -24,6 +24,9 @@ pub enum FilmError {
     /// The layout lacks this table, which the evaluation needs.
     #[error("the layout has no [{0}] table, which this needs: add one")]
     Missing(&'static str),
+    /// The layout has a head, and this needs one sensor.
+    #[error("{0}: leave out head or [[sensor.element]] of [sensor]")]
+    Head(&'static str),
     /// There is not enough memory.
     #[error("{0}")]
     Memory(#[source] MemoryError),

@@ -32,7 +32,7 @@ pub(crate) fn experiment<'py>(
     bend: Option<Shape<'py>>,
 ) -> PyResult<WithArrays<'py>> {
     let sensor = film.layout.sensor.as_ref();
-    if seed.is_some() && sensor.is_none_or(|sensor| sensor.element.noise_t == DVec3::ZERO) {
+    if seed.is_some() && sensor.is_none_or(|sensor| sensor.as_one().noise_t == DVec3::ZERO) {
         return Err(of_film(FilmError::NoNoise));
     }
     let bend = match bend {

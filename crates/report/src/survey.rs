@@ -146,7 +146,9 @@ pub(crate) struct GridField {
 impl GridField {
     pub(crate) fn new(film: &Film, grid: Grid) -> Result<GridField, FilmError> {
         let mut field_t = vec![DVec3::ZERO; grid.len()];
-        if let Err(PointErrors(mut errors)) =
+        if film.head().is_some() {
+            field_t = film.field_at_t(&grid.points().collect::<Vec<DVec3>>())?;
+        } else if let Err(PointErrors(mut errors)) =
             film.scene().field_on_grid_into(Quantity::FluxDensity, &grid, &mut field_t)
         {
             errors.retain(|error| !matches!(error.cause, PointErrorCause::Unbounded { .. }));

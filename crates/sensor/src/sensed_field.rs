@@ -120,7 +120,7 @@ impl<'a> SensedField<'a> {
         for element in &head.elements {
             element.sensor.checked().map_err(SensedFieldError::Sensor)?;
         }
-        let sensor = HallSensor { noise_t: head.deviation_t(), ..HallSensor::default() };
+        let sensor = head.as_one();
         let part = |of: &HeadElement, count: usize| (Part::new(of.sensor, of.place, count), of.weight);
         let with = |count: usize| SensedField {
             sensor,

@@ -63,9 +63,9 @@ impl FilmSample {
         self.neighbour.as_ref()
     }
 
-    /// The point of the film that is at a place.
+    /// The point of the film that the sensor reads at a place.
     pub fn point_of_film(&self, place: DVec3) -> DVec3 {
-        self.surroundings.pose.undo(place)
+        self.surroundings.pose.undo(place + self.surroundings.chips[0].shift_mm)
     }
 
     /// The rotation of the film.
@@ -106,6 +106,7 @@ impl FilmSample {
 #[cfg(test)]
 mod tests {
     use magsplice_field::Scene;
+    use magsplice_head::{HeadElement, SensorHead};
     use magsplice_ideal::IdealFilm;
     use magsplice_layout::{
         CommonErrors, FilmPose, FilmTolerance, Neighbour, SensorErrors, StrayField, Temperature, TileErrors,
@@ -143,6 +144,7 @@ mod tests {
                 neighbour: Some(neighbour),
                 temperature: Some(Temperature { change_k: normal(20.0), strength_per_k: -0.001 }),
                 sensor: SensorErrors {
+                    position_mm: three(0.3 * position_mm),
                     offset_t: three(1e-4),
                     rotation_rad: three(0.05),
                     gain: three(0.05),
@@ -150,6 +152,44 @@ mod tests {
                 },
             },
             ..FilmTolerance::of_tiles(&errors, 2)
+        }
+    }
+
+    /// A head reads the weighted sum of what its sensors read alone, each with errors of its own. The
+    /// errors of the first are those of a single sensor.
+    #[test]
+    fn heads_read_sums_of_sensors_with_their_own_errors() {
+        let tiles = [tile([-2.0, 0.3, 0.5], [-0.3, 0.1, 0.0]), tile([2.0, 0.0, 0.5], [0.3, 0.0, 0.1])];
+        let ideal = IdealFilm::new(10.0, 1.0, 0.12).expect("a film");
+        let (places, weights) = ([DVec3::ZERO, DVec3::new(0.3, 0.0, -1.0)], [DVec3::splat(2.0), DVec3::splat(-1.5)]);
+        let element = |(place, weight): (&DVec3, &DVec3)| HeadElement {
+            sensor: HallSensor::default(),
+            place: *place,
+            weight: *weight,
+        };
+        let head = SensorHead { elements: places.iter().zip(&weights).map(element).collect() };
+        let volume = |place: DVec3| {
+            let (lower, upper) = (DVec3::new(-1.0, -1.0, -5.0), DVec3::new(1.0, 1.0, -3.0));
+            let grid = Grid::new(lower + place, upper + place, [2, 2, 2]).expect("a grid");
+            EvaluationGrid { grid, reference: DVec3::new(0.0, 0.1, -4.0) + place }
+        };
+        let mut quiet = tolerance(0.1);
+        quiet.common.sensor = SensorErrors::default();
+        for (tolerance, is_quiet) in [(quiet, true), (tolerance(0.1), false)] {
+            let film = RealFilm::new(&tiles, &tolerance);
+            let of_head = film.clone().with_head(Some(head.clone()));
+            let read = |film: &RealFilm, place: DVec3| -> Vec<DVec3> {
+                let sampler = Sampler::new(film, &volume(place), &ideal, 7).expect("a sampler");
+                sampler.readings_of_t(3).expect("readings")
+            };
+            let [first, second] = places.map(|place| read(&film, place));
+            let sums_t = read(&of_head, DVec3::ZERO);
+            for ((sum_t, first), second) in sums_t.iter().zip(first).zip(second) {
+                let alike_t = weights[0] * first + weights[1] * second;
+                assert_eq!(sum_t.distance(alike_t) < 1e-15, is_quiet, "{sum_t} {alike_t}");
+                // Offsets of 1e-4 T, and gains and turns of 0.05 of a field of 0.01 T.
+                assert!(sum_t.distance(alike_t) < 0.02, "{sum_t} {alike_t}");
+            }
         }
     }
 

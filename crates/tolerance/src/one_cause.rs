@@ -28,7 +28,7 @@ pub(crate) fn each_alone(all: &FilmTolerance) -> Vec<(Cause, FilmTolerance)> {
     for (index, group) in all.groups.iter().enumerate() {
         found.push((Cause::Group(index), FilmTolerance { groups: vec![group.clone()], ..FilmTolerance::default() }));
     }
-    let common: [(Cause, CopyOne); 8] = [
+    let common: [(Cause, CopyOne); 9] = [
         (Cause::FilmPose, |all, alone| alone.film = all.film.clone()),
         (Cause::StrayField, |all, alone| alone.stray_field = all.stray_field.clone()),
         (Cause::Neighbour, |all, alone| alone.neighbour = all.neighbour.clone()),
@@ -36,6 +36,7 @@ pub(crate) fn each_alone(all: &FilmTolerance) -> Vec<(Cause, FilmTolerance)> {
         (Cause::SensorOffset, |all, alone| alone.sensor.offset_t = all.sensor.offset_t.clone()),
         (Cause::SensorRotation, |all, alone| alone.sensor.rotation_rad = all.sensor.rotation_rad.clone()),
         (Cause::SensorGain, |all, alone| alone.sensor.gain = all.sensor.gain.clone()),
+        (Cause::SensorPosition, |all, alone| alone.sensor.position_mm = all.sensor.position_mm.clone()),
         (Cause::SensorNoise, |all, alone| alone.sensor.noise_t = all.sensor.noise_t.clone()),
     ];
     for (cause, take) in common {

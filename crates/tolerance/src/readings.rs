@@ -51,7 +51,16 @@ pub(crate) struct Surroundings {
     neighbour_later: bool,
     /// Relative change of all strengths after the reading at the reference point.
     warming: f64,
-    sensor_turn: DQuat,
+    /// Of each sensor of a head, or of one.
+    pub(crate) chips: Vec<ChipErrors>,
+}
+
+/// The errors of one Hall sensor.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ChipErrors {
+    /// Displacement along the axes of the film.
+    pub(crate) shift_mm: DVec3,
+    turn: DQuat,
     gain: DVec3,
     offset_t: DVec3,
 }
@@ -64,9 +73,14 @@ const TEMPERATURE: usize = 12;
 const SENSOR_OFFSET: usize = 13;
 const SENSOR_ROTATION: usize = 16;
 const SENSOR_GAIN: usize = 19;
+const SENSOR_POSITION: usize = 22;
+
+/// First index of the errors of the second sensor of a head, and the distance to those of the next.
+const OTHER_SENSORS: usize = 64;
+const OF_SENSOR: usize = 16;
 
 impl Surroundings {
-    pub(crate) fn draw(common: &CommonErrors, centre: DVec3, draws: &mut Draws) -> Surroundings {
+    pub(crate) fn draw(common: &CommonErrors, centre: DVec3, chips: usize, draws: &mut Draws) -> Surroundings {
         let CommonErrors { film, stray_field, neighbour, temperature, sensor } = common;
         let mut vector = |cause, errors: &[_; 3]| {
             let [x, y, z] = errors;
@@ -74,9 +88,17 @@ impl Surroundings {
         };
         let pose =
             Pose::new(centre, vector(FILM_POSITION, &film.position_mm), vector(FILM_ROTATION, &film.rotation_rad));
-        let offset_t = vector(SENSOR_OFFSET, &sensor.offset_t);
-        let sensor_turn = DQuat::from_scaled_axis(vector(SENSOR_ROTATION, &sensor.rotation_rad));
-        let gain = DVec3::ONE + vector(SENSOR_GAIN, &sensor.gain);
+        let chip = |number: usize| {
+            let first = if number == 0 { SENSOR_OFFSET } else { OTHER_SENSORS + OF_SENSOR * (number - 1) };
+            let mut of = |cause: usize, errors| vector(first + cause - SENSOR_OFFSET, errors);
+            ChipErrors {
+                shift_mm: of(SENSOR_POSITION, &sensor.position_mm),
+                turn: DQuat::from_scaled_axis(of(SENSOR_ROTATION, &sensor.rotation_rad)),
+                gain: DVec3::ONE + of(SENSOR_GAIN, &sensor.gain),
+                offset_t: of(SENSOR_OFFSET, &sensor.offset_t),
+            }
+        };
+        let chips = (0..chips).map(chip).collect();
         let warming = temperature.as_ref().map_or(0.0, |temperature| {
             let [change_k] = draws.common(TEMPERATURE, [&temperature.change_k]);
             change_k * temperature.strength_per_k
@@ -87,21 +109,20 @@ impl Surroundings {
             stray_field_later: stray_field.as_ref().is_some_and(|field| field.later),
             neighbour_later: neighbour.as_ref().is_some_and(|neighbour| neighbour.later),
             warming,
-            sensor_turn,
-            gain,
-            offset_t,
+            chips,
         }
     }
 
     /// Number of errors in [`Surroundings::values`].
-    pub(crate) const ERRORS: usize = 19;
+    pub(crate) const ERRORS: usize = 22;
 
     /// The values of the errors: three each of position and rotation of the film, three of the
-    /// stray field, the relative change of all strengths, and three each of offset, rotation and
-    /// gain of the sensor.
+    /// stray field, the relative change of all strengths, and three each of offset, rotation,
+    /// gain and position of the first sensor.
     pub(crate) fn values(&self) -> [f64; Surroundings::ERRORS] {
         let vectors = [self.pose.shift, self.pose.turn.to_scaled_axis(), self.stray_field_t];
-        let of_sensor = [self.offset_t, self.sensor_turn.to_scaled_axis(), self.gain - DVec3::ONE];
+        let chip = &self.chips[0];
+        let of_sensor = [chip.offset_t, chip.turn.to_scaled_axis(), chip.gain - DVec3::ONE, chip.shift_mm];
         let mut values = [self.warming; Surroundings::ERRORS];
         for (number, vector) in vectors.into_iter().enumerate() {
             values[3 * number..][..3].copy_from_slice(&vector.to_array());
@@ -125,18 +146,19 @@ impl Surroundings {
 
     /// A sensor with the errors of these readings. It turns about its own axes.
     pub(crate) fn sensor(&self, ordered: &HallSensor) -> HallSensor {
+        let chip = &self.chips[0];
         HallSensor {
-            rotation: (ordered.rotation * self.sensor_turn).normalize(),
-            gain: ordered.gain * self.gain,
-            offset_t: ordered.offset_t + self.offset_t,
+            rotation: (ordered.rotation * chip.turn).normalize(),
+            gain: ordered.gain * chip.gain,
+            offset_t: ordered.offset_t + chip.offset_t,
             ..*ordered
         }
     }
 
-    /// The reading of the sensor, in tesla, without noise. `film_t` is the field of the film in its
+    /// The reading of a sensor, in tesla, without noise. `film_t` is the field of the film in its
     /// own frame, `neighbour_t` the field of its neighbour. The first reading, at the reference
     /// point, lacks later contributions.
-    pub(crate) fn reading_t(&self, film_t: DVec3, neighbour_t: DVec3, is_first: bool) -> DVec3 {
+    pub(crate) fn reading_t(&self, chip: &ChipErrors, film_t: DVec3, neighbour_t: DVec3, is_first: bool) -> DVec3 {
         let mut b_t = self.pose.rotation() * film_t;
         if !is_first {
             b_t *= self.strength();
@@ -147,7 +169,7 @@ impl Surroundings {
         if !(is_first && self.stray_field_later) {
             b_t += self.stray_field_t;
         }
-        self.gain * (self.sensor_turn.inverse() * b_t) + self.offset_t
+        chip.gain * (chip.turn.inverse() * b_t) + chip.offset_t
     }
 }
 

@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 
 use glam::{DQuat, DVec3};
+use magsplice_head::SensorHead;
 use magsplice_layout::{ErrorGroup, FilmTolerance};
 use magsplice_magnet::{BoundingBox, PerTileError, Tile, TileFaults};
 
@@ -34,6 +35,8 @@ pub struct RealFilm {
     /// The point about which the film turns as a whole.
     centre_mm: DVec3,
     weakening: Option<Weakening>,
+    /// The head that reads it; `None` for one sensor.
+    head: Option<SensorHead>,
 }
 
 impl RealFilm {
@@ -48,7 +51,7 @@ impl RealFilm {
             "tiles of groups"
         );
         let centre_mm = if tiles.is_empty() { DVec3::ZERO } else { BoundingBox::from_tiles(tiles).centre() };
-        RealFilm { tiles: tiles.to_vec(), tolerance: tolerance.clone(), centre_mm, weakening: None }
+        RealFilm { tiles: tiles.to_vec(), tolerance: tolerance.clone(), centre_mm, weakening: None, head: None }
     }
 
     /// The same film with recoil: its tiles weaken and turn in the field of all tiles.
@@ -60,12 +63,29 @@ impl RealFilm {
         RealFilm { weakening: Some(weakening), ..self }
     }
 
+    /// The same film below a head, whose sensors have errors of their own. The sensors count as
+    /// points without noise of their own.
+    pub fn with_head(self, head: Option<SensorHead>) -> RealFilm {
+        RealFilm { head, ..self }
+    }
+
+    /// Whether a head reads it.
+    pub(crate) fn has_head(&self) -> bool {
+        self.head.is_some()
+    }
+
+    /// Places and weights of the sensors.
+    pub(crate) fn chips(&self) -> Vec<(DVec3, DVec3)> {
+        let of_head = |head: &SensorHead| head.elements.iter().map(|of| (of.place, of.weight)).collect();
+        self.head.as_ref().map_or_else(|| vec![(DVec3::ZERO, DVec3::ONE)], of_head)
+    }
+
     /// The same film with other errors.
     ///
     /// # Panics
     /// As [`RealFilm::new`].
     pub fn with_tolerance(self, tolerance: &FilmTolerance) -> RealFilm {
-        RealFilm { weakening: self.weakening, ..RealFilm::new(&self.tiles, tolerance) }
+        RealFilm { weakening: self.weakening, head: self.head, ..RealFilm::new(&self.tiles, tolerance) }
     }
 
     pub(crate) fn weakening(&self) -> Option<&Weakening> {
@@ -223,7 +243,7 @@ impl RealFilm {
 
     /// The pose of the film, other fields and the errors of the sensor in a sample.
     pub(crate) fn draw_surroundings(&self, draws: &mut Draws) -> Surroundings {
-        Surroundings::draw(&self.tolerance.common, self.centre_mm, draws)
+        Surroundings::draw(&self.tolerance.common, self.centre_mm, self.chips().len(), draws)
     }
 }
 

@@ -23,10 +23,19 @@ pub struct Sampler<'a> {
     seed: u64,
     /// The points of the grid, then the reference point.
     points: Vec<DVec3>,
-    /// The field of the neighbour at each point.
+    /// One sensor, or those of a head.
+    chips: Vec<Chip>,
+}
+
+/// A sensor of a head, and what does not differ between samples.
+#[derive(Clone, Debug)]
+struct Chip {
+    place: DVec3,
+    weight: DVec3,
+    /// The field of the neighbour for each point.
     neighbour_t: Vec<DVec3>,
     /// The part of the film's field that the mean polarizations of its tiles do not represent, and
-    /// its gradient, at each point; empty without recoil.
+    /// its gradient, for each point; empty without recoil.
     remainder_t: Vec<(DVec3, DMat3)>,
 }
 
@@ -42,19 +51,24 @@ impl<'a> Sampler<'a> {
         seed: u64,
     ) -> Result<Sampler<'a>, SampleError> {
         let points: Vec<DVec3> = volume.grid.points().chain([volume.reference]).collect();
-        let neighbour_t = match &film.tolerance().common.neighbour {
-            Some(neighbour) => exact_field_t(&Scene::new(&neighbour.tiles), &points)?,
-            None => vec![DVec3::ZERO; points.len()],
+        let chip = |(place, weight): (DVec3, DVec3)| -> Result<Chip, SampleError> {
+            let places: Vec<DVec3> = points.iter().map(|point| *point + place).collect();
+            let neighbour_t = match &film.tolerance().common.neighbour {
+                Some(neighbour) => exact_field_t(&Scene::new(&neighbour.tiles), &places)?,
+                None => vec![DVec3::ZERO; places.len()],
+            };
+            let remainder_t = match film.weakening() {
+                Some(weakening) => {
+                    let scene = weakening.remainder();
+                    let gradients = scene.gradient_at(Quantity::FluxDensity, &places).map_err(SampleError::Field)?;
+                    exact_field_t(scene, &places)?.into_iter().zip(gradients).collect()
+                }
+                None => Vec::new(),
+            };
+            Ok(Chip { place, weight, neighbour_t, remainder_t })
         };
-        let remainder_t = match film.weakening() {
-            Some(weakening) => {
-                let scene = weakening.remainder();
-                let gradients = scene.gradient_at(Quantity::FluxDensity, &points).map_err(SampleError::Field)?;
-                exact_field_t(scene, &points)?.into_iter().zip(gradients).collect()
-            }
-            None => Vec::new(),
-        };
-        Ok(Sampler { film, volume: *volume, ideal, seed, points, neighbour_t, remainder_t })
+        let chips = film.chips().into_iter().map(chip).collect::<Result<_, _>>()?;
+        Ok(Sampler { film, volume: *volume, ideal, seed, points, chips })
     }
 
     /// The errors of sample number `sample`, which depend on the seed and on this number alone.
@@ -87,26 +101,34 @@ impl<'a> Sampler<'a> {
         self.readings_of_tiles_t(&mut draws, &tiles)
     }
 
-    /// The readings at the points of the grid, then at the reference point.
+    /// The readings at the points of the grid, then at the reference point: of a head, the weighted
+    /// sum of those of its sensors, which count as read without their errors.
     fn readings_of_tiles_t(&self, draws: &mut Draws, tiles: &[Tile]) -> Result<Vec<DVec3>, SampleError> {
         let surroundings = self.film.draw_surroundings(draws);
-        let in_film: Vec<DVec3> = self.points.iter().map(|point| surroundings.pose.undo(*point)).collect();
         let in_place = self.film.in_film(tiles).map_err(SampleError::Tile)?;
-        let mut read_t = exact_field_t(&Scene::new(&in_place), &in_film)?;
-        // The remainder is small, and moves by less than it varies.
-        for (reading, (b_t, gradient)) in self.remainder_t.iter().enumerate() {
-            read_t[reading] += *b_t + *gradient * (in_film[reading] - self.points[reading]);
-        }
+        let scene = Scene::new(&in_place);
         let noise = &self.film.tolerance().common.sensor.noise_t;
         let noisy = noise.iter().any(|noise| !noise.is_none());
-        let last = read_t.len() - 1;
-        for (reading, (b_t, neighbour_t)) in read_t.iter_mut().zip(&self.neighbour_t).enumerate() {
-            *b_t = surroundings.reading_t(*b_t, *neighbour_t, reading == last);
-            if noisy {
-                *b_t += draws.noise_t(reading, noise);
+        let last = self.points.len() - 1;
+        let mut sums_t = vec![DVec3::ZERO; self.points.len()];
+        for (number, (chip, errors)) in self.chips.iter().zip(&surroundings.chips).enumerate() {
+            let place = |point: &DVec3| *point + chip.place;
+            let in_film: Vec<DVec3> =
+                self.points.iter().map(|point| surroundings.pose.undo(place(point) + errors.shift_mm)).collect();
+            let mut read_t = exact_field_t(&scene, &in_film)?;
+            // The remainder is small, and moves by less than it varies.
+            for (reading, (b_t, gradient)) in chip.remainder_t.iter().enumerate() {
+                read_t[reading] += *b_t + *gradient * (in_film[reading] - place(&self.points[reading]));
             }
+            for (reading, (b_t, neighbour_t)) in read_t.iter_mut().zip(&chip.neighbour_t).enumerate() {
+                *b_t = surroundings.reading_t(errors, *b_t, *neighbour_t, reading == last);
+                if noisy {
+                    *b_t += draws.noise_t(reading * self.chips.len() + number, noise);
+                }
+            }
+            sums_t.iter_mut().zip(read_t).for_each(|(sum, b_t)| *sum += chip.weight * b_t);
         }
-        Ok(read_t)
+        Ok(sums_t)
     }
 
     /// The points of the grid, then the reference point.
@@ -116,12 +138,12 @@ impl<'a> Sampler<'a> {
 
     /// The field of the film without errors at each point.
     pub(crate) fn film_t(&self) -> Result<Vec<DVec3>, SampleError> {
-        film_field_t(self.film, self.film.tiles(), &self.points, self.remainder_t.iter().map(|(b_t, _)| b_t))
+        film_field_t(self.film, self.film.tiles(), &self.points, self.chips[0].remainder_t.iter().map(|(b_t, _)| b_t))
     }
 
     /// The field of the neighbour at each point.
     pub(crate) fn neighbour_t(&self) -> &[DVec3] {
-        &self.neighbour_t
+        &self.chips[0].neighbour_t
     }
 
     /// The film whose samples it draws.

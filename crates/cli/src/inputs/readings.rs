@@ -111,7 +111,7 @@ fn reading_columns(finder: &mut Finder, session: &Session) -> Option<[Column; 3]
         finder.missing(&[READING.needed()]);
         return None;
     };
-    let count_t = session.layout.sensor.as_ref().map_or(DVec3::ZERO, |sensor| sensor.element.count_t);
+    let count_t = session.layout.sensor.as_ref().map_or(DVec3::ZERO, |sensor| sensor.as_one().count_t);
     let unknown: Vec<Column> = columns
         .iter()
         .zip(count_t.to_array())

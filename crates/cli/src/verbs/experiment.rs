@@ -87,7 +87,7 @@ pub(crate) fn run(args: &ExperimentArgs, quiet: bool) -> Result<(), Failure> {
     let session = Session::open(&args.layout, remarks::OF_FIELDS, quiet)?;
     let film = session.film()?;
     session.volume(OF_SENSORS)?;
-    let has_noise = film.layout().sensor.as_ref().is_some_and(|sensor| sensor.element.noise_t != DVec3::ZERO);
+    let has_noise = film.layout().sensor.as_ref().is_some_and(|sensor| sensor.as_one().noise_t != DVec3::ZERO);
     if args.seed.is_some() && !has_noise {
         let message = "the layout has no noise for --seed: give noise_ut or part in [sensor]";
         return Err(Failure::at(&args.layout, message));

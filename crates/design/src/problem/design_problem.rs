@@ -64,6 +64,9 @@ impl<'a> DesignProblem<'a> {
     pub fn from_brief(layout: &'a Layout, brief: Brief) -> Result<DesignProblem<'a>, DesignError> {
         let ideal = layout.ideal.ok_or(DesignError::Missing(NeededTable::Ideal))?;
         let volume = layout.volume.ok_or(DesignError::Missing(NeededTable::Volume))?;
+        if layout.sensor.as_ref().is_some_and(|sensor| sensor.head.is_some()) {
+            return Err(DesignError::Head);
+        }
         let tiles = layout.bare_tiles();
         let named = |indices: Vec<usize>| indices.into_iter().map(|i| layout.tiles[i].name.clone()).collect();
         let moves = [Variable::Size, Variable::Position, Variable::Cut].into_iter().any(|moved| brief.varies(moved));

@@ -117,13 +117,19 @@ impl ErrorModel {
                 centre: Centre::Mean,
             })
             .collect();
-        let pose = TileErrors {
-            position: tolerance.common.film.position_mm.clone(),
-            rotation: tolerance.common.film.rotation_rad.clone(),
-            ..TileErrors::default()
+        let pose = |position: &[Distribution; 3], rotation: &[Distribution; 3]| JointErrors {
+            tiles: (0..tile_count).collect(),
+            mean_squares: mean_squares(&TileErrors {
+                position: position.clone(),
+                rotation: rotation.clone(),
+                ..TileErrors::default()
+            }),
+            centre: Centre::Box,
         };
-        let all = (0..tile_count).collect();
-        joint.push(JointErrors { tiles: all, mean_squares: mean_squares(&pose), centre: Centre::Box });
+        let CommonErrors { film, sensor, .. } = &tolerance.common;
+        joint.push(pose(&film.position_mm, &film.rotation_rad));
+        // The film moves the other way past a sensor that is displaced.
+        joint.push(pose(&sensor.position_mm, &Default::default()));
         joint.retain(|errors| errors.mean_squares != MeanSquares::default());
         Ok(ErrorModel {
             tiles: tolerance.tiles.iter().map(mean_squares).collect(),

@@ -8,6 +8,8 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use magsplice_ideal::IdealFilm;
+
 use crate::error::{LayoutError, LayoutFault};
 use crate::expectations::about_amplitude;
 use crate::faults::{Faults, NOT_NEGATIVE};
@@ -192,7 +194,8 @@ fn resolve(file: LayoutFile, place: &Place, text: &str, source: &Source) -> Resu
     expectations.check(present, &mut faults.at(at("expect"), "expect"));
     let brief =
         file.design.inspect(|brief| brief.check(present, volume.as_ref(), &mut faults.at(at("design"), "design")));
-    let sensor = file.sensor.and_then(|table| table.resolve(&mut faults.at(at("sensor"), "sensor")));
+    let wavelength_mm = ideal.as_ref().map(IdealFilm::wavelength);
+    let sensor = file.sensor.and_then(|table| table.resolve(wavelength_mm, place.key("sensor"), &mut faults));
     let elastomer = file.elastomer.inspect(|layer| layer.check(&mut faults.at(at("elastomer"), "elastomer")));
     let material = file.material.map(|table| table.resolve(&mut faults.at(at("material"), "material")));
     let material = material.unwrap_or_default();

@@ -51,10 +51,13 @@ pub(crate) struct TemperatureTable {
     strength_per_k: Option<f64>,
 }
 
-/// Errors of the sensor, along or about its three axes: one for all, or three.
+/// Errors of the sensor, or of each sensor of a head by itself, along or about its three axes: one
+/// for all, or three.
 #[derive(Default, Deserialize, JsonSchema, Serialize)]
 #[serde(default)]
 pub(crate) struct SensorTable {
+    /// Errors of its place along the axes of the film, in mm.
+    position_mm: Components<3>,
     /// Offsets, in microtesla.
     offset_ut: Components<3>,
     /// Angles by which its axes are turned, in degrees.
@@ -169,8 +172,9 @@ impl From<&Temperature> for TemperatureTable {
 }
 
 impl SensorTable {
-    fn keys<'k>(&'k mut self, errors: &'k mut SensorErrors) -> [ErrorKey<'k>; 4] {
+    fn keys<'k>(&'k mut self, errors: &'k mut SensorErrors) -> [ErrorKey<'k>; 5] {
         [
+            ErrorKey::new("position_mm", ErrorUnit::Millimetre, &mut self.position_mm, &mut errors.position_mm),
             ErrorKey::new("offset_ut", ErrorUnit::Microtesla, &mut self.offset_ut, &mut errors.offset_t),
             ErrorKey::new("rotation_deg", ErrorUnit::Degree, &mut self.rotation_deg, &mut errors.rotation_rad),
             ErrorKey::new("gain", ErrorUnit::Fraction, &mut self.gain, &mut errors.gain),

@@ -161,10 +161,13 @@ pub struct Temperature {
     pub strength_per_k: f64,
 }
 
-/// Errors of the sensor. It reads `gain * B + offset + noise` of the components of B along its
-/// axes.
+/// Errors of the sensor, or of each sensor of a head. It reads `gain * B + offset + noise` of the
+/// components of B along its axes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SensorErrors {
+    /// Error of its place along each axis of the film. It does not change what it reads of a
+    /// neighbour.
+    pub position_mm: [Distribution; 3],
     /// Offset along each axis.
     pub offset_t: [Distribution; 3],
     /// Components of the rotation vector of its axes.

@@ -148,3 +148,63 @@ fn wrong_values_are_named_with_their_rule() {
         refused("[sensor]\nnoise_ut = [1, 2]")
     );
 }
+
+const IDEAL: &str = "[ideal]\nwavelength_mm = 10\nthickness_mm = 1\namplitude_t = 0.12\n";
+
+/// Weights of boards are those of least noise, and their default spacing half a wavelength.
+#[test]
+fn boards_have_places_and_weights() {
+    let head = |keys: &str| {
+        let sensor = with(&format!("{IDEAL}[sensor]\npart = \"MLX90393\"\n{keys}")).unwrap().sensor.unwrap();
+        let head = sensor.head.clone().unwrap();
+        assert!(head.sensors.elements.iter().all(|of| of.sensor == sensor.element) && !head.has_stated_weights);
+        head
+    };
+    let cross = head("head = \"cross\"").sensors;
+    assert_eq!(cross, head("head = \"cross\"\nspacing_mm = 5").sensors);
+    let weights: Vec<f64> = cross.elements.iter().map(|of| of.weight.x).collect();
+    let known = [0.5, -0.125, -0.125, -0.125, -0.125];
+    assert!(weights.iter().zip(known).all(|(weight, known)| (weight - known).abs() < 1e-12), "{weights:?}");
+    assert_eq!(head("head = \"reskin\"").sensors.elements[4].place, DVec3::new(7.594, 7.594, 0.0));
+    let places: Vec<DVec3> =
+        head("head = \"pair-z\"\nspacing_mm = 1").sensors.elements.iter().map(|of| of.place).collect();
+    assert_eq!(places, [DVec3::ZERO, -DVec3::Z]);
+}
+
+/// Elements have the numbers of the sensor where they state none, and their own weights.
+#[test]
+fn elements_replace_numbers_of_the_sensor() {
+    let text = "[sensor]\nnoise_ut = 2\ngain = 1.1\n\
+        [[sensor.element]]\nposition_mm = [0, 0, 0]\nweight = 2\n\
+        [[sensor.element]]\nposition_mm = [0, 0, -1]\nweight = [-1, -2, -2]\nnoise_ut = 3\n\
+        [[sensor.element]]\nposition_mm = [0, 1, -1]\nweight = -0.5\npart = \"LIS3MDL\"\n";
+    let layout = with(text).unwrap();
+    let head = layout.sensor.as_ref().unwrap().head.as_ref().unwrap();
+    let [first, second, third] = &head.sensors.elements[..] else { panic!("{head:?}") };
+    assert!(head.has_stated_weights && head.board.is_none());
+    assert_eq!((first.sensor.noise_t, second.sensor.noise_t), (DVec3::splat(2e-6), DVec3::splat(3e-6)));
+    assert_eq!((first.weight, second.weight), (DVec3::splat(2.0), DVec3::new(-1.0, -2.0, -2.0)));
+    assert!([first, second, third].iter().all(|of| of.sensor.gain == DVec3::splat(1.1)));
+    assert!(third.sensor.range_t.is_finite() && third.sensor.noise_t != first.sensor.noise_t);
+    let again = Layout::parse(&layout.to_toml(), "again").unwrap();
+    assert_eq!(again.sensor, layout.sensor);
+}
+
+#[test]
+fn heads_without_sense_are_refused() {
+    let element = "[[sensor.element]]\nposition_mm = [0, 0, 0]\n";
+    for (text, message) in [
+        ("[sensor]\nhead = \"cross\"".to_owned(), "give spacing_mm"),
+        (format!("{IDEAL}[sensor]\nhead = \"pair-z\""), "give spacing_mm"),
+        (format!("{IDEAL}[sensor]\nhead = \"pair-xy\"\nspacing_mm = 4"), "half a wavelength"),
+        (format!("{IDEAL}[sensor]\nhead = \"reskin\"\nspacing_mm = 4"), "must not be given"),
+        (format!("{IDEAL}[sensor]\nspacing_mm = 4"), "give head"),
+        (format!("{IDEAL}[sensor]\nhead = \"cross\"\n{element}"), "give one of them"),
+        (format!("[sensor]\n{element}"), "without [ideal]"),
+        (format!("[sensor]\n{element}weight = 1\n{element}"), "some sensors only"),
+        (format!("{IDEAL}[sensor]\n{element}noise_ut = -1\n"), "sensor.element 1: noise_ut = -1"),
+    ] {
+        let error = with(&text).unwrap_err().to_string();
+        assert!(error.contains(message), "{text}: {error}");
+    }
+}

@@ -26,17 +26,18 @@ impl Film {
     /// without such readings.
     pub fn remark_on_range(&self, points_mm: &[DVec3], readings_t: &[DVec3]) -> Option<String> {
         let Some(sensor) = self.layout().sensor.as_ref() else { return plateau(readings_t, DVec3::ZERO) };
-        let range_t = sensor.element.range_t;
+        let element = sensor.as_one();
+        let range_t = element.range_t;
         let finite = || readings_t.iter().filter(|reading| reading.is_finite());
-        let count = finite().filter(|reading| sensor.element.is_saturated(**reading)).count();
+        let count = finite().filter(|reading| element.is_saturated(**reading)).count();
         let largest_t = finite().fold(DVec3::ZERO, |largest, reading| largest.max(reading.abs()));
         if count == 0 {
-            return plateau(readings_t, sensor.element.count_t);
+            return plateau(readings_t, element.count_t);
         }
         let readings =
             |count: usize| if count == 1 { "1 reading is".to_owned() } else { format!("{count} readings are") };
         // The conversion of readings from counts rounds.
-        let limit_t = range_t + sensor.element.count_t;
+        let limit_t = range_t + element.count_t;
         let beyond = finite().filter(|reading| reading.abs().cmpgt(limit_t).any()).count();
         let (largest, range) = (flux_density_mt(largest_t), flux_density_mt(range_t));
         let strongest_t = self.layout().tiles.iter().map(|of| of.tile.polarization_t().length()).fold(0.0, f64::max);

@@ -183,6 +183,7 @@ fn cause(layout: &Layout, cause: Cause) -> String {
         Cause::SensorOffset => "sensor offset",
         Cause::SensorRotation => "sensor rotation",
         Cause::SensorGain => "sensor gain",
+        Cause::SensorPosition => "sensor place",
         Cause::SensorNoise => "sensor noise",
         other => return format!("{other:?}"),
     };

@@ -56,7 +56,7 @@ impl Film {
         self.tell(Stage::uncounted("comparison with the ideal film"));
         let reference = points_mm
             .iter()
-            .map(|&p| ideal.flux_density_t(p).ok_or(FilmError::NotBelow(p)))
+            .map(|&p| self.seen_t(p, |place| ideal.flux_density_t(place).ok_or(FilmError::NotBelow(place))))
             .collect::<Result<Vec<DVec3>, _>>()?;
         Comparison::new(points_mm, field_t, &reference).map_err(FilmError::Comparison)
     }

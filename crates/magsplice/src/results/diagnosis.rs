@@ -144,7 +144,8 @@ impl Film {
     /// # Errors
     /// [`FilmError::NoNoise`].
     pub fn scan_noise_t(&self, noise: Option<Noise>) -> Result<DVec3, FilmError> {
-        let of_sensor = self.layout().sensor.as_ref().map(|of| of.element.deviation_t() / of.element.gain.abs());
+        let of_sensor = self.layout().sensor.as_ref().map(|of| of.as_one());
+        let of_sensor = of_sensor.map(|of| of.deviation_t() / of.gain.abs());
         let of_sensor = of_sensor.filter(|noise_t| noise_t.min_element() > 0.0);
         noise.map(|noise| noise.deviation_t).or(of_sensor).ok_or(FilmError::NoNoise)
     }
@@ -171,7 +172,10 @@ impl Film {
         free: FreeParameters,
         false_alarm: f64,
     ) -> Result<FilmDiagnosis, FilmError> {
-        let element = self.layout().sensor.as_ref().map(|sensor| sensor.element).unwrap_or_default();
+        if self.head().is_some() {
+            return Err(FilmError::Head("a diagnosis needs the readings of one sensor"));
+        }
+        let element = self.layout().sensor.as_ref().map(|sensor| sensor.as_one()).unwrap_or_default();
         let noise_t = self.scan_noise_t(noise)?;
         let unusable: Vec<Option<Exclusion>> =
             readings_t.iter().map(|reading_t| Exclusion::of_reading(&element, *reading_t)).collect();

@@ -35,7 +35,7 @@ impl Film {
             PolynomialError::Points(errors) => FilmError::Points(errors),
             error => FilmError::Polynomial(error),
         })?;
-        let sensor = self.layout().sensor.as_ref().map_or_else(HallSensor::default, |sensor| sensor.element);
+        let sensor = self.layout().sensor.as_ref().map_or_else(HallSensor::default, |sensor| sensor.as_one());
         let field_of_reading = DMat3::from_quat(sensor.rotation) * DMat3::from_diagonal(DVec3::ONE / sensor.gain);
         Ok(SensorPolynomial { polynomial, volume, field_of_reading, offset_t: sensor.offset_t })
     }

@@ -57,6 +57,9 @@ impl Film {
     /// If a coordinate of a point is not finite.
     pub fn sampled_scan(&self, points_mm: Vec<DVec3>, seed: u64, sample: u64) -> Result<SampledScan, FilmError> {
         self.tell(Stage::uncounted("reading the sample"));
+        if self.head().is_some() {
+            return Err(FilmError::Head("a sampled scan has the readings of one sensor"));
+        }
         let made = self.real_film()?.sample(seed, sample);
         let made = made.map_err(|faults| FilmError::Sample { sample, error: SampleError::Tile(faults) })?;
         let sensor = self.layout().sensor.as_ref().map(|sensor| sensor.element).unwrap_or_default();

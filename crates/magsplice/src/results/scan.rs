@@ -248,7 +248,7 @@ impl Film {
             height_of_strength_mm,
             has_smooth_residuals,
             is_across,
-            sensor_noise_t: self.layout().sensor.as_ref().map_or(0.0, |of| of.element.deviation_t().max_element()),
+            sensor_noise_t: self.layout().sensor.as_ref().map_or(0.0, |of| of.as_one().deviation_t().max_element()),
         })
     }
 

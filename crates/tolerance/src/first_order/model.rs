@@ -97,9 +97,12 @@ impl FirstOrder {
     /// The model of a film in a working volume.
     ///
     /// # Errors
-    /// If the parameters or the derivatives do not exist at a point of the volume, or the
-    /// derivatives need too much memory.
+    /// If the parameters or the derivatives do not exist at a point of the volume, the derivatives
+    /// need too much memory, or a head reads the film.
     pub fn new(film: &RealFilm, volume: &EvaluationGrid, ideal: &IdealFilm) -> Result<FirstOrder, SampleError> {
+        if film.has_head() {
+            return Err(SampleError::Head);
+        }
         let sampler = Sampler::new(film, volume, ideal, 0)?;
         let points = sampler.points();
         let last = points.len() - 1;
@@ -234,10 +237,12 @@ fn for_each_derivative(
     }
     of_groups.iter().flat_map(PerTileError::values).for_each(|changes_t| each(changes_t));
     let last = points.len() - 1;
-    let mut of_pose = of_pose.into_iter();
     for source in ErrorSource::common() {
         let mut changes_t: Vec<DVec3> = match source {
-            ErrorSource::FilmPosition(_) | ErrorSource::FilmRotation(_) => of_pose.next().unwrap_or_default(),
+            ErrorSource::FilmPosition(axis) => of_pose[axis].clone(),
+            ErrorSource::FilmRotation(axis) => of_pose[3 + axis].clone(),
+            // The film moves the other way past the sensor.
+            ErrorSource::SensorPosition(axis) => of_pose[axis].iter().map(|change_t| -*change_t).collect(),
             ErrorSource::StrayField(axis) | ErrorSource::SensorOffset(axis) => vec![DVec3::AXES[axis]; points.len()],
             // Axes that turn one way see the field turn the other way.
             ErrorSource::SensorRotation(axis) => read_t.iter().map(|b_t| b_t.cross(DVec3::AXES[axis])).collect(),

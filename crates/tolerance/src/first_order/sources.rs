@@ -45,6 +45,8 @@ pub enum ErrorSource {
     SensorRotation(usize),
     /// Error of the gain of the sensor along an axis.
     SensorGain(usize),
+    /// Displacement of the sensor along an axis.
+    SensorPosition(usize),
     /// Noise of the reading at the reference point along an axis.
     ReferenceNoise(usize),
 }
@@ -82,6 +84,8 @@ pub enum Cause {
     SensorRotation,
     /// Gain of the sensor.
     SensorGain,
+    /// Place of the sensor.
+    SensorPosition,
     /// Noise of all readings.
     SensorNoise,
 }
@@ -112,6 +116,7 @@ impl ErrorSource {
             ErrorSource::SensorOffset(_) => Cause::SensorOffset,
             ErrorSource::SensorRotation(_) => Cause::SensorRotation,
             ErrorSource::SensorGain(_) => Cause::SensorGain,
+            ErrorSource::SensorPosition(_) => Cause::SensorPosition,
             ErrorSource::ReferenceNoise(_) => Cause::SensorNoise,
         }
     }
@@ -125,7 +130,8 @@ impl ErrorSource {
             9 => ErrorSource::Temperature,
             10..13 => ErrorSource::SensorOffset(number - 10),
             13..16 => ErrorSource::SensorRotation(number - 13),
-            _ => ErrorSource::SensorGain(number - 16),
+            16..19 => ErrorSource::SensorGain(number - 16),
+            _ => ErrorSource::SensorPosition(number - 19),
         })
     }
 }
@@ -178,6 +184,7 @@ pub(crate) fn sources(film: &RealFilm) -> Vec<(ErrorSource, Moments)> {
             ErrorSource::SensorOffset(axis) => Moments::new(&common.sensor.offset_t[axis]),
             ErrorSource::SensorRotation(axis) => Moments::new(&common.sensor.rotation_rad[axis]),
             ErrorSource::SensorGain(axis) => Moments::new(&common.sensor.gain[axis]),
+            ErrorSource::SensorPosition(axis) => Moments::new(&common.sensor.position_mm[axis]),
             // The temperature, alone among the common errors, has no axis.
             _ => common.temperature.as_ref().map_or(Moments::default(), |temperature| {
                 Moments::new(&temperature.change_k).scaled(temperature.strength_per_k)

@@ -74,6 +74,7 @@ fn everything(later: bool) -> FilmTolerance {
             }),
             temperature: Some(Temperature { change_k: normal(5.0), strength_per_k: -0.0012 }),
             sensor: SensorErrors {
+                position_mm: three(0.05),
                 offset_t: three(2e-6),
                 rotation_rad: three(0.003),
                 gain: three(0.01),
@@ -111,6 +112,7 @@ fn only(source: ErrorSource, value: f64, all: &FilmTolerance) -> Option<FilmTole
         ErrorSource::SensorOffset(axis) => common.sensor.offset_t[axis] = fixed,
         ErrorSource::SensorRotation(axis) => common.sensor.rotation_rad[axis] = fixed,
         ErrorSource::SensorGain(axis) => common.sensor.gain[axis] = fixed,
+        ErrorSource::SensorPosition(axis) => common.sensor.position_mm[axis] = fixed,
         // Noise at the reference point alone cannot be stated.
         ErrorSource::ReferenceNoise(_) => return None,
     }
@@ -135,14 +137,14 @@ fn derivatives_are_those_of_the_exact_evaluation() {
     for later in [false, true] {
         let all = everything(later);
         let model = FirstOrder::new(&RealFilm::new(&tiles(), &all), &volume(), &ideal()).expect("a model");
-        assert_eq!(model.terms().len(), 12 * 4 + 12 + 19 + 3);
+        assert_eq!(model.terms().len(), 12 * 4 + 12 + 22 + 3);
         let sensitivities: Vec<Vec<(usize, Vec<f64>)>> =
             (0..3).map(|axis| model.sensitivities_mm(axis).collect()).collect();
         for (number, term) in model.terms().iter().enumerate() {
             let step = match term.source {
                 ErrorSource::Tile { error: TileError::Position(_) | TileError::Size(_), .. }
                 | ErrorSource::Group { error: TileError::Position(_) | TileError::Size(_), .. } => 3e-3,
-                ErrorSource::FilmPosition(_) => 3e-3,
+                ErrorSource::FilmPosition(_) | ErrorSource::SensorPosition(_) => 3e-3,
                 ErrorSource::StrayField(_) | ErrorSource::SensorOffset(_) => 1e-6,
                 _ => 1e-3,
             };
@@ -199,7 +201,7 @@ fn shares_add_up_and_halving_saves_what_is_stated() {
         let parts: f64 = whole.shares.iter().map(|share| share.contribution.total_mm2()).sum();
         let allowed = 1e-12 * whole.expected_mm2;
         assert!((whole.nominal_mm2 + parts - whole.expected_mm2).abs() < allowed);
-        assert_eq!(whole.shares.len(), 15);
+        assert_eq!(whole.shares.len(), 16);
         let saved = whole.expected_mm2 - less.expected_mm2;
         assert!((whole.tiles[1].saved_by_halving_mm2 - saved).abs() < allowed, "{:?}, not {saved}", whole.tiles[1]);
     }
@@ -251,13 +253,13 @@ fn ratio_of_mean_squares_is_never_negative() {
     assert!(checked > 5, "{checked} of 10 runs have samples");
 }
 
-/// 82 errors at three million points need 12 GB.
+/// 85 errors at three million points need 12 GB.
 #[test]
 fn sensitivities_that_do_not_fit_are_refused() {
     let grid = Grid::new(DVec3::new(-1.0, -1.0, -5.0), DVec3::new(1.0, 1.0, -3.0), [1000, 1000, 3]).expect("a grid");
     let volume = EvaluationGrid { grid, reference: DVec3::new(0.0, 0.0, -5.0) };
     let found = FirstOrder::new(&RealFilm::new(&tiles(), &everything(false)), &volume, &ideal());
-    let wanted = (4 * 12 + 12 + 19 + 3) * 48 * 3_000_000;
+    let wanted = (4 * 12 + 12 + 22 + 3) * 48 * 3_000_000;
     assert_eq!(found.err(), Some(crate::SampleError::TooLarge { bytes: Some(wanted) }));
 }
 
@@ -400,7 +402,7 @@ fn sources_have_the_moments_of_the_tolerance() {
     let change_k = Distribution::Tabulated([2.0, 8.0].into());
     tolerance.common.temperature = Some(Temperature { change_k, strength_per_k: -0.001 });
     let found = sources(&RealFilm::new(&tiles(), &tolerance));
-    assert_eq!(found.len(), 4 * 12 + 19 + 3);
+    assert_eq!(found.len(), 4 * 12 + 22 + 3);
     // Uniform between 1 and 3: mean 2, variance 1/3, mean square 13/3. Between 2 and 8: variance 3.
     let third = 13.0 / 9.0 * 1e-12;
     let wanted = [

@@ -179,7 +179,7 @@ fn groups_are_of_names_kinds_or_rows() {
 const COMMON: &str = "[tolerance.film]\nposition_mm = 0.2\nrotation_deg = [0, 0, 0.5]\n\
     [tolerance.stray_field]\nfield_ut = [{ fixed = 50 }, 0, 0]\nany_direction_ut = { fixed = 20 }\nwhen = \"after\"\n\
     [tolerance.temperature]\nchange_k = { fixed = 10 }\nstrength_per_k = -0.0012\n\
-    [tolerance.sensor]\noffset_ut = 20\nrotation_deg = 0.5\ngain = [0.01, 0.01, 0.02]\nnoise_ut = 5\n";
+    [tolerance.sensor]\nposition_mm = [0.03, 0, 0]\noffset_ut = 20\nrotation_deg = 0.5\ngain = [0.01, 0.01, 0.02]\nnoise_ut = 5\n";
 
 #[test]
 fn common_errors_are_read_in_their_units() {
@@ -191,6 +191,7 @@ fn common_errors_are_read_in_their_units() {
     assert_eq!(neighbour, None);
     assert_eq!(temperature, Some(Temperature { change_k: Distribution::Fixed(10.0), strength_per_k: -0.0012 }));
     let wanted = SensorErrors {
+        position_mm: normal([0.03, 0.0, 0.0]),
         offset_t: normal([2e-5; 3]),
         rotation_rad: degrees([0.5; 3]),
         gain: normal([0.01, 0.01, 0.02]),
