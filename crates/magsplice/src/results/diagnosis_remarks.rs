@@ -62,14 +62,14 @@ impl FilmDiagnosis {
     fn of_expected_errors(&self) -> Option<String> {
         if let Some(preset) = self.made_as {
             let single = match (self.diagnosis.detected.len(), self.is_complete) {
-                (_, true) if self.is_residual_too_large => "errors of single tiles do not".to_owned(),
+                (_, true) if self.is_residual_too_large => "errors of single tiles alone do not".to_owned(),
                 (errors, true) => format!("{errors} errors of single tiles are less likely"),
-                (errors, false) if errors < MOST_SINGLE_ERRORS => "errors of single tiles do not".to_owned(),
+                (errors, false) if errors < MOST_SINGLE_ERRORS => "errors of single tiles alone do not".to_owned(),
                 (errors, false) => format!("more than {errors} errors of single tiles are less likely"),
             };
             return Some(format!(
-                "typical errors of every tile (preset {}) explain the scan, and {single}: no tile is reported unless errors \
-                 of every tile are expected",
+                "typical errors of every tile (preset {}), and few errors of single tiles, explain the scan, and {single}: no \
+                 tile is reported unless errors of every tile are expected",
                 preset.name()
             ));
         }

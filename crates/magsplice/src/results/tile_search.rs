@@ -51,29 +51,33 @@ impl TileSearch<'_> {
         let start = placed.start(self.free)?;
         let searched =
             |expected: FilmTolerance, most_errors: usize| self.diagnosed(start, self.free, expected, most_errors);
-        let likelier_than = |errors: usize| likelier_preset(self.tiles.len(), errors, searched);
-        let mut made_as = None;
-        let mut diagnosis =
-            searched(self.expected.clone(), if expects_errors { MOST_ERRORS } else { MOST_SINGLE_ERRORS })?;
-        if !expects_errors && !diagnosis.is_complete {
-            made_as = likelier_than(MOST_SINGLE_ERRORS + 1)?;
-            if made_as.is_none() {
+        let likelier_than = |errors: usize| likelier_preset(self.tiles.len(), self.expected, errors, searched);
+        let (mut made_as, mut explained_by) = (None, None);
+        let mut diagnosis = searched(self.expected.clone(), MOST_SINGLE_ERRORS)?;
+        // Errors of tiles bend to a scan that was taken otherwise, or to other errors of every tile.
+        if !diagnosis.is_complete {
+            explained_by = self.explained_by(&placed, MOST_SINGLE_ERRORS / 2)?;
+            if explained_by.is_none() {
+                made_as = likelier_than(MOST_SINGLE_ERRORS + 1)?;
+            }
+            if explained_by.is_none() && made_as.is_none() {
                 diagnosis = searched(self.expected.clone(), MOST_ERRORS)?;
                 made_as = likelier_than(diagnosis.detected.len())?;
             }
+        } else if diagnosis.detected.len() > 1 {
+            explained_by = self.explained_by(&placed, (diagnosis.detected.len() - 1) / 2)?;
         }
         let is_impossible = !self.is_possible(&diagnosis);
-        let is_open = is_impossible && made_as.is_none();
+        let is_open = is_impossible && made_as.is_none() && explained_by.is_none();
         let placement = is_open.then(|| placed.explaining(diagnosis.residual_t())).transpose()?.flatten();
         // Where errors of single tiles explain no scan, one may remain beside typical errors.
-        if is_open && !expects_errors && placement.is_none() {
+        if is_open && placement.is_none() {
             made_as = likelier_than(diagnosis.detected.len() + 2)?;
         }
-        let is_rejected = is_impossible || made_as.is_some();
-        let explained_by = match is_open && made_as.is_none() && placement.is_none() {
-            true => self.explained_by(&placed)?,
-            false => None,
-        };
+        if is_open && made_as.is_none() && placement.is_none() {
+            explained_by = self.explained_by(&placed, MOST_SINGLE_ERRORS)?;
+        }
+        let is_rejected = is_impossible || made_as.is_some() || explained_by.is_some();
         Ok(Searched { diagnosis, is_rejected, made_as, placement, explained_by })
     }
 
@@ -111,13 +115,13 @@ impl TileSearch<'_> {
         !found.is_residual_too_large() && found.has_possible_errors(self.tiles) && scan.implausible_strength().is_none()
     }
 
-    /// The parameters of the scan with which few errors of tiles explain it.
-    fn explained_by(&self, placed: &PlacedScan) -> Result<Option<FittedScan>, FilmError> {
+    /// The parameters of the scan with which so many errors of tiles explain it.
+    fn explained_by(&self, placed: &PlacedScan, most_errors: usize) -> Result<Option<FittedScan>, FilmError> {
         if self.free == FreeParameters::ALL {
             return Ok(None);
         }
         let Ok(start) = placed.start(FreeParameters::ALL) else { return Ok(None) };
-        let found = self.diagnosed(start, FreeParameters::ALL, self.expected.clone(), MOST_SINGLE_ERRORS)?;
+        let found = self.diagnosed(start, FreeParameters::ALL, self.expected.clone(), most_errors)?;
         let is_explained = found.is_complete && self.is_possible(&found);
         Ok(is_explained.then(|| FittedScan::new(&found.scan, found.scan.offset_t)))
     }

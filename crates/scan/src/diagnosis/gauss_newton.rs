@@ -96,6 +96,17 @@ impl ScanModel {
         Ok((least.at, least.compared))
     }
 
+    /// The model at the least sum of squares, with exact derivatives.
+    pub(crate) fn least(
+        &self,
+        readings_t: &[DVec3],
+        from: Linearized,
+        deviations: &[f64],
+    ) -> Result<(Linearized, Compared), DiagnosisError> {
+        let least = self.steps(readings_t, from, SlopeOf::State, deviations)?;
+        Ok((least.at, least.compared))
+    }
+
     /// Gauss-Newton steps. With exact derivatives, each reduces the sum of squares with its noise.
     fn steps(
         &self,

@@ -58,9 +58,12 @@ pub(super) fn diagnosis(film: &Film, scan: &Path, fit: FreeParameters, found: &F
 /// The faulty tiles with their errors.
 fn faulty_tiles(text: &mut String, found: &FilmDiagnosis) {
     if found.is_rejected {
-        text.push_str(match found.made_as {
-            Some(_) => "errors of every tile explain the scan as well as errors of single tiles: no tile is reported\n",
-            None => "errors of tiles do not explain the scan, so no tile is reported\n",
+        text.push_str(match (found.made_as, &found.explained_by) {
+            (Some(_), _) => {
+                "errors of every tile explain the scan as well as errors of single tiles: no tile is reported\n"
+            }
+            (None, Some(_)) => "the scan was rather taken otherwise than stated, so no tile is reported\n",
+            (None, None) => "errors of tiles do not explain the scan, so no tile is reported\n",
         });
         return;
     }
