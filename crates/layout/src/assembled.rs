@@ -39,8 +39,8 @@ impl Layout {
     }
 
     /// The layout with its tiles turned as one rigid body about a point in millimetres. Quarter
-    /// turns about the axes exchange the sides of tiles and keep ten decimals, so that edges that are
-    /// parallel remain so to the last digit.
+    /// turns about the axes exchange the sides of tiles and keep ten decimals, so that edges that
+    /// are parallel remain so to the last digit.
     ///
     /// # Errors
     /// If a position is out of range.

@@ -155,8 +155,7 @@ mod tests {
         }
     }
 
-    /// A head reads the weighted sum of what its sensors read alone, each with errors of its own. The
-    /// errors of the first are those of a single sensor.
+    /// A head reads the weighted sum of what its sensors read alone, each with errors of its own.
     #[test]
     fn heads_read_sums_of_sensors_with_their_own_errors() {
         let tiles = [tile([-2.0, 0.3, 0.5], [-0.3, 0.1, 0.0]), tile([2.0, 0.0, 0.5], [0.3, 0.0, 0.1])];

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use magsplice::Film;
 use magsplice::layout::{Layout, WorkingVolume};
+use magsplice::results::HeadSummary;
 
 use super::number::counted;
 use super::recoil;
@@ -50,7 +51,8 @@ pub(crate) fn film(film: &Film, volume: &WorkingVolume) -> String {
 
 /// The accuracy of a film's field, and what recoil changes in it.
 pub(crate) fn accuracy(film: &Film) -> String {
-    format!("accuracy: {}\n{}", film.scene().accuracy(), recoil(film))
+    let head = HeadSummary::of(film.layout()).map_or(String::new(), |head| format!("sensor: {head}\n"));
+    format!("accuracy: {}\n{head}{}", film.scene().accuracy(), recoil(film))
 }
 
 fn recoil(film: &Film) -> String {

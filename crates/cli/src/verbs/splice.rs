@@ -85,7 +85,7 @@ pub(crate) struct SpliceArgs {
     /// Part with known noise, counts and range, for the table [sensor] of the film
     #[arg(long, value_name = "PART", ignore_case = true,
         value_parser = sensor_part())]
-    sensor: Option<StatedSensor>,
+    sensor: Option<Box<StatedSensor>>,
     /// Error to minimize
     #[arg(long, value_enum, default_value = "displacement")]
     goal: GoalArg,
@@ -118,7 +118,7 @@ impl SpliceArgs {
             distance_mm: self.distance.unwrap_or(default.distance_mm),
             smallest_cut_mm: self.smallest_cut.unwrap_or(default.smallest_cut_mm),
             preset: self.preset.map(layout::Preset::from),
-            sensor: self.sensor.clone(),
+            sensor: self.sensor.as_deref().cloned(),
             brief: Brief {
                 gap_mm: self.gap,
                 resolution_mm: self.resolution,
@@ -198,10 +198,10 @@ fn evaluate_as_made(problem: &DesignProblem, result: &mut SearchResult, given: O
 }
 
 /// Parser of the names of known parts.
-fn sensor_part() -> impl TypedValueParser<Value = StatedSensor> {
+fn sensor_part() -> impl TypedValueParser<Value = Box<StatedSensor>> {
     // Names of values must live as long as the program.
     let names = StatedSensor::part_names().into_iter().map(|name| &*name.leak());
-    PossibleValuesParser::new(names).map(|name| part(&name))
+    PossibleValuesParser::new(names).map(|name| Box::new(part(&name)))
 }
 
 /// The sensor with one of the known names, in any case.

@@ -62,12 +62,12 @@ pub struct FilmDiagnosis {
     /// of a wrong model.
     pub is_rejected: bool,
     /// Typical errors of every tile that explain the scan with less than half as many errors of
-    /// single tiles, where no errors are expected: no tile is reported then.
+    /// single tiles than are found with the expected errors: no tile is reported then.
     pub made_as: Option<Preset>,
     /// Another placement of the sensor, which explains a rejected scan better than errors of tiles.
     pub placement: Option<SensorPlacement>,
-    /// Parameters of the scan that explain a rejected scan with errors of tiles, where not all are
-    /// fitted.
+    /// Parameters of the scan with which less than half as many errors of tiles explain it, or few
+    /// explain a rejected scan, where not all are fitted.
     pub explained_by: Option<FittedScan>,
     /// Errors that the scan hardly narrows.
     pub unresolved: Vec<UnresolvedError>,

@@ -38,6 +38,8 @@ mod found_film;
 /// The films of a trade-off.
 #[cfg(feature = "design")]
 mod front;
+/// The head of a film in numbers.
+mod head_summary;
 /// Typical errors of every tile that explain a scan.
 mod likelier_errors;
 /// Readings beyond the range of the sensor.
@@ -89,6 +91,7 @@ pub use forces::{FilmLoads, ForceChange, LoadN, OrderChoice, OrderedLoads, TileL
 pub use found_film::FoundFilm;
 #[cfg(feature = "design")]
 pub use front::{FilmFront, FrontFilm};
+pub use head_summary::HeadSummary;
 pub use out_of_range::OutOfRange;
 pub use parts::{BillOfMaterials, MAX_KERF_MM, PartItem};
 pub use placement::{FittedScan, SensorPlacement};

@@ -4,6 +4,7 @@ use magsplice_layout::Layout;
 use magsplice_magnet::Accuracy;
 use serde::Serialize;
 
+use super::head_summary::HeadSummary;
 use super::table::{Metadata, MetadataValue};
 use crate::film::Film;
 use crate::film_recoil::RecoilSummary;
@@ -29,6 +30,9 @@ pub struct Source {
     pub tiles: usize,
     /// Accuracy of the field.
     pub accuracy: Accuracy,
+    /// The head that reads the film. `None` for one sensor.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub head: Option<HeadSummary>,
     /// What recoil changes. `None` if no tile has a recoil permeability.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub recoil: Option<RecoilSummary>,
@@ -58,6 +62,7 @@ impl Source {
             layout: LayoutSource::of(film.layout()),
             tiles: film.layout().tiles.len(),
             accuracy: film.scene().accuracy(),
+            head: HeadSummary::of(film.layout()),
             recoil: film.recoil().map(|recoil| recoil.summary.clone()),
         }
     }
@@ -66,6 +71,9 @@ impl Source {
     pub fn metadata(&self) -> Metadata {
         let mut metadata = self.layout.metadata(self.tiles);
         metadata.push(("accuracy", MetadataValue::Text(self.accuracy.to_string())));
+        if let Some(head) = &self.head {
+            metadata.push(("head", MetadataValue::Text(head.to_string())));
+        }
         if let Some(recoil) = &self.recoil {
             metadata.push(("recoil_cells", MetadataValue::Count(recoil.cells)));
             metadata.push(("recoil_error_t", MetadataValue::Numbers(vec![recoil.error_t])));

@@ -54,7 +54,7 @@ impl TileSearch<'_> {
         let likelier_than = |errors: usize| likelier_preset(self.tiles.len(), self.expected, errors, searched);
         let (mut made_as, mut explained_by) = (None, None);
         let mut diagnosis = searched(self.expected.clone(), MOST_SINGLE_ERRORS)?;
-        // Errors of tiles bend to a scan that was taken otherwise, or to other errors of every tile.
+        // Errors of tiles bend to a scan taken otherwise, or to other errors of every tile.
         if !diagnosis.is_complete {
             explained_by = self.explained_by(&placed, MOST_SINGLE_ERRORS / 2)?;
             if explained_by.is_none() {

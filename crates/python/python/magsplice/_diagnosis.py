@@ -80,7 +80,12 @@ class Diagnosis(OfFilm, Table):
     )
     made_as: Preset | None = key(
         """Preset whose typical errors of every tile explain the scan with less than half as many
-        errors of single tiles, if no errors are expected."""
+        errors of single tiles."""
+    )
+    explained_by: FittedScan | None = key(
+        """Parameters of the scan with which less than half as many errors of tiles, or few, explain
+        it, if not all were fitted.""",
+        FittedScan,
     )
     placement: SensorPlacement | None = key(
         """Another placement of the sensor, which explains a rejected scan better than errors of

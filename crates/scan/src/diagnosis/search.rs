@@ -222,8 +222,8 @@ impl Search<'_> {
             Ok(significant.min_by(|a, b| a.1.ln_probability.total_cmp(&b.1.ln_probability)))
         };
         let mut found = best(at, compared)?;
-        // Derivatives of the film without its errors are coarse for the errors of one tile: close to
-        // a film made in a workshop they found an error of 6.5 deviations that was none.
+        // Derivatives of the film without its errors are coarse for the errors of one tile: near a
+        // film made in a workshop they found an error of 6.5 deviations that was none.
         if found.is_some() && at.slopes_at.is_some() {
             let (exact, compared) = self.model.least(self.readings_t, at.clone(), &deviations)?;
             found = best(&exact, &compared)?;
