@@ -2,7 +2,7 @@
  *
  * Film: {layout}
  * sha256 {sha256}
- * Written by magsplice {version}.
+{head} * Written by magsplice {version}.
  *
  * A polynomial of degree {degree} of the decoupling parameters R_x, R_y and S_z (Dai et al.,
  * Magnetochemistry 2024, 10(1), 6, Eq. 15). The length of its error is at most {error} mm in the working

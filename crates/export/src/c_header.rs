@@ -27,6 +27,7 @@ pub fn displacement(layout: &Layout, found: &SensorPolynomial, version: &str, w:
         .replace("{{upper}}", &format!("{{{}}}", row(table.upper)))
         .replace("{{axes}}", &format!("{{{axes}}}"))
         .replace("{{offset}}", &format!("{{{}}}", row(offset_t.to_array())))
+        .replace("{head}", &head(layout))
         .replace("{coefficients}", &rows)
         .replace("{degree}", &table.degree.to_string())
         .replace("{terms}", &table.coefficients.len().to_string())
@@ -42,6 +43,20 @@ pub fn displacement(layout: &Layout, found: &SensorPolynomial, version: &str, w:
         // Last, because a name may contain any text, including another placeholder.
         .replacen("{layout}", &name, 1);
     w.write_all(text.as_bytes())
+}
+
+/// Lines of the comment about a head: the reading is a weighted sum.
+fn head(layout: &Layout) -> String {
+    let Some(head) = layout.sensor.as_ref().and_then(|sensor| sensor.head.as_ref()) else { return String::new() };
+    let mut lines =
+        " *\n * The reading is the sum of the readings of these sensors, each without its offset, gain and\n \
+                     * rotation, times its weight along x, y, z:\n"
+            .to_owned();
+    for of in &head.sensors.elements {
+        let [place, weight] = [of.place, of.weight].map(|of| format!("({}, {}, {})", of.x, of.y, of.z));
+        lines += &format!(" *   at {place} mm of the board: {weight}\n");
+    }
+    lines + " *\n"
 }
 
 /// A literal of C with the digits of a float.

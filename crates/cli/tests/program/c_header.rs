@@ -76,6 +76,26 @@ fn compiled_header_gives_displacements_within_the_stated_error() {
     assert_eq!([found[0][0], found[1][0]], [1.0, 2.0]);
 }
 
+/// The header of a head takes the weighted sum, which `experiment` computes, and states the weights.
+#[test]
+fn header_of_a_head_gives_displacements_from_the_weighted_sum() {
+    let sandbox = Sandbox::new();
+    let film = shipped("heads/published-cross");
+    let said = sandbox.run(&["export", &film, "--to", "c-header", "--error", "5e-3mm", "-o", "film.h"]);
+    assert_eq!((said.status, said.stderr.as_str()), (0, ""));
+    assert!(sandbox.read("film.h").contains("at (5, -5, 0) mm of the board: (-0.125, -0.125, -0.125)"));
+    compiled(&sandbox);
+    assert_eq!(sandbox.run(&["experiment", &film, "-o", "moved.csv", "--quiet"]).status, 0);
+    let moved = rows(&sandbox.read("moved.csv"));
+    let readings: String = moved.iter().map(|row| format!("{:?},{:?},{:?}\n", row[4], row[5], row[6])).collect();
+    for (found, row) in answers(&sandbox, &readings).iter().zip(&moved) {
+        // The sensor moves the other way past the film.
+        for axis in 0..3 {
+            assert!((found[1 + axis] + row[1 + axis]).abs() < 5e-3 + 1e-4, "{found:?} at {row:?}");
+        }
+    }
+}
+
 #[test]
 fn headers_that_cannot_be_written_say_why() {
     let sandbox = Sandbox::new();

@@ -13,16 +13,16 @@ use super::significant::number;
 /// Distance from the form of Eq. 2, and reading of a uniform field of 1, that are round-off.
 const ROUND_OFF: f64 = 1e-9;
 
-/// The sensors of a head, and what their weighted sum reads of an ideal film and of a uniform field.
+/// The sensors of a head, and what their sum reads of an ideal film and of a uniform field.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct HeadSummary {
     /// The board that the layout names.
     pub board: Option<Board>,
     /// Number of sensors.
     pub sensors: usize,
-    /// The reading of the ideal film over that of one sensor. `None` without `[ideal]`, as the next.
+    /// The reading of the ideal film over that of one sensor; `None` without `[ideal]`.
     pub factor: Option<f64>,
-    /// Distance from the form of Eq. 2 (see [`HeadForm::distance`]).
+    /// Distance from the form of Eq. 2 (see [`HeadForm::distance`]); `None` without `[ideal]`.
     pub distance: Option<f64>,
     /// The reading of a uniform field along each axis over that of one sensor.
     pub uniform: DVec3,
