@@ -79,9 +79,9 @@ mod tests {
         assert!((found - DVec3::new(0.0326, 0.0326, 0.0306)).abs().max_element() < 6e-5, "{found}");
         let summary = HeadSummary::of(film.layout()).unwrap();
         assert_eq!(summary.to_string(), "weighted sum of 5 sensors (cross)");
-        // The ideal film as the head reads it is the ideal film.
+        // One sensor reads 0.82 of the ideal film, which lacks no field beyond a rim.
         let comparison = film.compare().unwrap().comparison;
-        assert!((comparison.amplitude - 1.0).abs() < 0.02, "{}", comparison.amplitude);
+        assert!((0.91..0.92).contains(&comparison.amplitude), "{}", comparison.amplitude);
         let one = Film::new(Layout { sensor: None, ..Layout::clone(film.layout()) }).unwrap();
         assert!(one.decouple().unwrap().decoupling.displacement_rmse_mm.to_array().iter().all(|of| *of > 0.2));
     }
@@ -101,9 +101,11 @@ mod tests {
         assert!((summary.distance.unwrap() - distance).abs() < 1e-14);
         let words = summary.to_string();
         assert!(
-            words.contains("reads (1.5, 1.5, 1.5) of a uniform field of 1, 1.404508 times the ideal film"),
+            words.contains(
+                "reads (1.500000, 1.500000, 1.500000) of a uniform field of 1, 1.404508 times the ideal film"
+            ),
             "{words}"
         );
-        assert!(words.ends_with("differs from the form of Eq. 2 by 0.424328 of it"), "{words}");
+        assert!(words.ends_with("differs from the form of Eq. 2 by 0.423986 of it"), "{words}");
     }
 }
