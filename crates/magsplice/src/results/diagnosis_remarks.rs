@@ -3,7 +3,7 @@
 use super::diagnosis::FilmDiagnosis;
 use super::error_words::in_words;
 use super::likelier_errors::MOST_SINGLE_ERRORS;
-use super::significant::number;
+use super::significant::ratio;
 
 /// Standard deviation of the strength beside expected errors from which on it is too small: 60
 /// films made by hand, of a stated deviation of 5 %, scattered 1.6 times as much. Films of jigs and
@@ -79,7 +79,7 @@ impl FilmDiagnosis {
             format!(
                 "chi squared is {} times its expectation: the expected errors are larger than those of the film, or the \
                  noise is smaller than specified, and hide faulty tiles; expect smaller ones, as those of a jig",
-                number(self.reduced_chi_squared())
+                ratio(self.reduced_chi_squared())
             )
         })
     }
@@ -97,7 +97,7 @@ impl FilmDiagnosis {
                 "chi squared of the residual is {} times its expectation: the noise is larger than specified, the readings \
                  drift, the tiles have other or larger errors than are expected (a preset expects errors of every tile), or \
                  the positions of the scan are wrong",
-                number(self.reduced_chi_squared())
+                ratio(self.reduced_chi_squared())
             )
         })
     }

@@ -10,7 +10,7 @@ use magsplice_scan::{
 use serde::Serialize;
 
 use super::placement::{ACROSS, FittedScan, is_across};
-use super::significant::number;
+use super::significant::{self, number};
 use super::source::Source;
 use super::table::{ColumnQuantity, Points, Table};
 use crate::film::Film;
@@ -304,7 +304,7 @@ impl FilmScan {
                 "the residual is {} times the noise of the sensor: the film differs from the layout, the positions of the \
                  scan are wrong, or the noise is larger than stated; the deviations do not contain this. Errors of tiles \
                  look like another strength and height{}{outliers}",
-                number(ratio),
+                significant::ratio(ratio),
                 if self.fit.strength { ": a fit of offset, rotation and start alone holds the strength" } else { "" }
             )
         });

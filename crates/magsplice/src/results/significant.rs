@@ -34,9 +34,21 @@ pub fn number(value: f64) -> String {
     }
 }
 
+/// Three significant digits, of a ratio in a sentence.
+pub(super) fn ratio(value: f64) -> String {
+    let decimals = 2 - value.abs().log10().floor().clamp(-3.0, 2.0) as i32;
+    if value.is_finite() && value.abs() < 1e5 { format!("{value:.*}", decimals.max(0) as usize) } else { number(value) }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn ratios_have_three_digits() {
+        let words = [257.981_22, 1.2345, 0.7318, 12.0, 31_304.6].map(ratio);
+        assert_eq!(words, ["258", "1.23", "0.732", "12.0", "31305"]);
+    }
 
     #[test]
     fn round_off_is_dropped_and_written_digits_stay() {

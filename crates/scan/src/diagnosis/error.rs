@@ -39,7 +39,9 @@ pub enum DiagnosisError {
         value_t: f64,
     },
     /// The number of readings that contradict all others exceeds the limit of outliers.
-    #[error("readings that contradict the others: {outliers}; the film or the positions of the scan are wrong")]
+    #[error(
+        "readings that contradict the others: {outliers}; the film, the positions or the range of the sensor are not as stated"
+    )]
     AnotherFilm {
         /// Number of these readings.
         outliers: usize,
