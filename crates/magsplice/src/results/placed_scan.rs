@@ -86,15 +86,16 @@ impl<'a> PlacedScan<'a> {
         Ok(self)
     }
 
-    /// Square of the residual beyond the noise with the placement that fits best; `None` if it is a
-    /// small part of the readings, or if the stated placement is not possible.
+    /// Square of the residual beyond the noise with the placement that fits best; `None` if it is
+    /// noise or a small part of the readings, or if the stated placement is not possible.
     fn excess(&self) -> Result<Option<f64>, FilmError> {
         let Ok([residual_t, reading_t]) = self.medians(&ScanParameters::PERFECT) else { return Ok(None) };
         if residual_t <= MISPLACED * reading_t {
             return Ok(None);
         }
         let fitted_t = self.determined()?.map_or(residual_t, |fit| fit.noise_t.min(residual_t));
-        Ok((fitted_t > MISPLACED * reading_t).then_some(fitted_t.powi(2) - self.noise_squared))
+        let excess = fitted_t.powi(2) - self.noise_squared;
+        Ok((fitted_t > MISPLACED * reading_t && excess > 0.0).then_some(excess))
     }
 
     /// The parameters of the film as ordered, of which `free` are fitted; those of a perfect scan
