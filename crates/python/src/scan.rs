@@ -59,7 +59,7 @@ pub(crate) fn sample<'py>(
     let made = film.with_tables(py, film.layout_with_errors(preset)?)?;
     if made.layout().tolerance.is_none() {
         return Err(bad_value(
-            "preset is missing and the layout has no [tolerance]: give one of them; an empty [tolerance] is a film as ordered",
+            "preset is missing and the layout has no [tolerance]: give one of them; for noise alone, noise_ut in [tolerance.sensor]",
         ));
     }
     let found = run(py, made, |made| made.sampled_scan(points, seed, index))?;

@@ -76,7 +76,7 @@ fn compiled_header_gives_displacements_within_the_stated_error() {
     assert_eq!([found[0][0], found[1][0]], [1.0, 2.0]);
 }
 
-/// The header of a head takes the weighted sum, which `experiment` computes, and states the weights.
+/// The header of a head takes the weighted sum, which `experiment` computes. It has the weights.
 #[test]
 fn header_of_a_head_gives_displacements_from_the_weighted_sum() {
     let sandbox = Sandbox::new();

@@ -28,8 +28,8 @@ pub(super) fn require_tolerance(session: &Session) -> Result<(), Failure> {
         return Ok(());
     }
     let message = "the layout has no [tolerance] table with the errors of films as made: give --preset workshop to \
-                   begin with, or add the table that docs/layout-format.md describes; an empty table is a film as \
-                   ordered, whose sensor has the noise of [sensor]";
+                   begin with, or add the table that docs/layout-format.md describes; for noise alone, give noise_ut \
+                   in [tolerance.sensor]";
     Err(Failure::at(session.path, message.to_owned()))
 }
 
