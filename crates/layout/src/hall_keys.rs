@@ -65,7 +65,7 @@ pub(crate) struct PlatesTable {
 pub(crate) struct StatedHall {
     pub(crate) part: Option<String>,
     pub(crate) setting: Option<PartSetting>,
-    /// That of the part.
+    /// Readings per second of the part.
     pub(crate) rate_hz: Option<f64>,
     pub(crate) rotation: Option<Rotation>,
     pub(crate) element: HallSensor,
