@@ -53,15 +53,24 @@ impl DetectedError {
     /// The magnitude: the error of strength, or the length of the vector of all significant
     /// components. The scan may hardly resolve others, such as a turn about J.
     pub fn magnitude(&self) -> f64 {
-        let length =
-            |parts: &mut dyn Iterator<Item = &FittedError>| parts.map(|of| of.value.powi(2)).sum::<f64>().sqrt();
         match &self.components[..] {
             [one] => one.value,
-            several if several.iter().any(FittedError::is_significant) => {
-                length(&mut several.iter().filter(|estimate| estimate.is_significant()))
-            }
-            several => length(&mut several.iter()),
+            _ => self.counted().map(|of| of.value.powi(2)).sum::<f64>().sqrt(),
         }
+    }
+
+    /// The standard deviation of the magnitude, without correlations of the components.
+    pub fn magnitude_deviation(&self) -> f64 {
+        match &self.components[..] {
+            [one] => one.deviation,
+            _ => self.counted().map(|of| (of.value * of.deviation).powi(2)).sum::<f64>().sqrt() / self.magnitude(),
+        }
+    }
+
+    /// The significant components, or all where none is.
+    fn counted(&self) -> impl Iterator<Item = &FittedError> {
+        let is_any = self.components.iter().any(FittedError::is_significant);
+        self.components.iter().filter(move |of| !is_any || of.is_significant())
     }
 }
 

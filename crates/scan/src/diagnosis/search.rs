@@ -4,7 +4,7 @@
 use std::ops::RangeInclusive;
 
 use glam::DVec3;
-use magsplice_magnet::TileError;
+use magsplice_magnet::{PerTileError, TileError};
 use nalgebra::{Matrix3, Vector3};
 
 use crate::diagnosis::candidate::{Candidate, ErrorKind};
@@ -29,6 +29,10 @@ const AS_REVERSED: f64 = -2.0;
 
 /// Errors of the strength that a reversed tile seems to have beside other errors.
 const REVERSED: RangeInclusive<f64> = -3.0..=-1.0;
+
+/// Errors of the strength from which on the fit also begins at a reversed tile. Expected errors of
+/// the other tiles bend to the change of sign on the way, so that the fit may end between.
+const BETWEEN: RangeInclusive<f64> = -1.5..=-0.1;
 
 /// Share of the sum of squares that a reversed tile explains at least. In films made by hand, 1 mm
 /// below, small tiles at the edge explain 0.09 to 0.25, others 0.5 to 0.85.
@@ -75,7 +79,6 @@ impl Search<'_> {
     pub(crate) fn run(&self, start: &Linearized, mut watch: impl FnMut(usize)) -> Result<Found, DiagnosisError> {
         let mut detected: Vec<Candidate> = Vec::new();
         let mut visited: Vec<Vec<Candidate>> = vec![Vec::new()];
-        let deviations = |detected: &[Candidate]| self.model.unknowns.with_detected(detected);
         let usable = start.is_used.clone();
         let ordered = self.with_reversed(start, &mut detected)?;
         // Wild readings are excluded before they pull the first fit. Where too many seem wild, the
@@ -94,17 +97,17 @@ impl Search<'_> {
             };
         }
         visited.push(sorted(&detected));
-        let (mut at, mut compared) = self.model.converged(self.readings_t, start, &deviations(&detected))?;
+        let (mut at, mut compared) = self.fitted(start, &detected)?;
         // The linear model at the nominal film cannot judge them where errors are large.
         if let Some(admitted) = self.with_unsuspicious(&at, &compared, &usable)? {
-            (at, compared) = self.model.converged(self.readings_t, admitted, &deviations(&detected))?;
+            (at, compared) = self.fitted(admitted, &detected)?;
         }
         let mut exchanges = 0;
         let is_complete = loop {
             watch(detected.len());
             let wild = self.wild(&at, &compared, &detected)?;
             if !wild.is_empty() {
-                (at, compared) = self.model.converged(self.readings_t, at.without(&wild), &deviations(&detected))?;
+                (at, compared) = self.fitted(at.without(&wild), &detected)?;
                 // Errors that wild readings suggested or hid are tested anew.
                 visited = vec![sorted(&detected)];
                 continue;
@@ -121,7 +124,7 @@ impl Search<'_> {
             }
             detected = next;
             visited.push(sorted(&detected));
-            (at, compared) = self.model.converged(self.readings_t, at, &deviations(&detected))?;
+            (at, compared) = self.fitted(at, &detected)?;
         };
         let mut tested = detected
             .iter()
@@ -146,6 +149,30 @@ impl Search<'_> {
             .collect::<Result<Vec<DetectedError>, DiagnosisError>>()?;
         tested.sort_by(|a, b| a.ln_probability.total_cmp(&b.ln_probability));
         Ok(Found { at, compared, detected: tested, is_complete })
+    }
+
+    /// The fit of the identified errors, from a model or, where tiles may be reversed, from those.
+    fn fitted(&self, from: Linearized, detected: &[Candidate]) -> Result<(Linearized, Compared), DiagnosisError> {
+        let deviations = self.model.unknowns.with_detected(detected);
+        let sum = |(at, compared): &(Linearized, Compared)| {
+            compared.chi_squared + Unknowns::sum_of_squares(&self.model.values(&at.state), &deviations)
+        };
+        let mut best = self.model.converged(self.readings_t, from, &deviations)?;
+        for Candidate { tile, kind } in detected.iter().copied() {
+            let strength = Unknown::Tile { tile, error: TileError::Strength };
+            if kind != ErrorKind::Strength || !BETWEEN.contains(&best.0.state.get(strength)) {
+                continue;
+            }
+            let mut state = best.0.state.clone();
+            state.tiles[tile] = PerTileError::default();
+            state.set(strength, AS_REVERSED);
+            let reversed = self.model.linearized(state, None, &best.0.is_used, None)?;
+            let reversed = self.model.converged(self.readings_t, reversed, &deviations)?;
+            if sum(&reversed) < sum(&best) {
+                best = reversed;
+            }
+        }
+        Ok(best)
     }
 
     /// The start with tiles that seem reversed, which `detected` receives. Expected errors of the
