@@ -128,7 +128,8 @@ pub(crate) fn run(args: &DiagnoseArgs, quiet: bool) -> Result<(), Failure> {
         .diagnose(&points_mm, &readings_t, &lines, args.noise, FitArg::free(&args.fit), args.false_alarm)
         .map_err(|error| match error {
         FilmError::Scan(error @ ScanError::Misfit { .. }) if args.fit.is_empty() => {
-            let advice = "; if it was taken otherwise than stated, --fit fits its strength, offset and place";
+            let advice = "; errors of every tile are expected with --preset, such as by-hand, and --fit fits strength, \
+                 offset and place of a scan that was taken otherwise than stated";
             Failure::at(&args.scan, format!("{error}{advice}"))
         }
         error => refused(&session, &args.scan, &lines, error),

@@ -67,13 +67,13 @@ fn faulty_tiles(text: &mut String, found: &FilmDiagnosis) {
         });
         return;
     }
+    let (used, all) = (found.readings - found.excluded.count(), found.readings);
+    let by = if used == all { String::new() } else { format!(", by {used} of {all} readings") };
     if found.faulty.is_empty() {
-        let (used, all) = (found.readings - found.excluded.count(), found.readings);
-        let by = if used == all { String::new() } else { format!(", by {used} of {all} readings") };
         let _ = writeln!(text, "no faulty tile{by}");
         return;
     }
-    let _ = writeln!(text, "{}:", counted(found.faulty.len(), "error", "errors"));
+    let _ = writeln!(text, "{}{by}:", counted(found.faulty.len(), "error", "errors"));
     for faulty in &found.faulty {
         let _ = writeln!(text, "  {}: {}", faulty.tile, faulty.words);
         for (error, [value, deviation]) in &faulty.components {
