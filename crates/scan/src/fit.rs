@@ -47,7 +47,7 @@ const CLOSE: f64 = 0.3;
 
 /// Residual of a fit from another start, over the residual from a perfect scan, above which the
 /// scan has no exchanged axes: they are a strong claim.
-const BETTER: f64 = 0.5;
+pub(crate) const BETTER: f64 = 0.5;
 
 /// Largest residual over the root mean square of the readings. A film as made has a few per cent,
 /// a film of the same wavelength with other tiles from ten. No parameters are reported beyond it.
@@ -336,7 +336,7 @@ fn root_mean_square(fit: &ScanFit, readings_t: &[DVec3]) -> f64 {
 }
 
 /// The fit from a start, with outliers excluded.
-fn fit_from(
+pub(crate) fn fit_from(
     field: &SensedField,
     points: &[DVec3],
     readings_t: &[DVec3],

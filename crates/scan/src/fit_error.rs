@@ -5,6 +5,7 @@ use thiserror::Error;
 
 use crate::exclusion::Plateau;
 use crate::parameters::ScanParameter;
+use crate::turn::FilmTurn;
 
 /// The reason why a scan cannot be fitted.
 #[derive(Clone, Debug, Error, PartialEq)]
@@ -87,6 +88,12 @@ pub enum ScanError {
         /// An example of the two units.
         example: &'static str,
     },
+    /// The film was turned against the positions.
+    #[error(
+        "the film as ordered explains the scan to {:.1} uT if it was turned by {:.1} deg about z against the positions: turn \
+         the positions by {:.1} deg, or the film", 1e6 * .0.residual_t, .0.angle_deg, -.0.angle_deg
+    )]
+    Turned(FilmTurn),
     /// The steps did not converge.
     #[error(
         "the fit does not converge: the positions may have errors of more than a quarter of a wavelength, or errors of \

@@ -39,6 +39,8 @@ mod signed_axes;
 mod starts;
 /// The tile that most likely has another strength.
 mod suspect;
+/// A film turned against the positions.
+mod turn;
 /// Units that are given by mistake.
 mod units;
 
@@ -55,4 +57,5 @@ pub use positions::ScanPositions;
 pub use sample_scan::{SampleScan, SampleScanError};
 pub use signed_axes::SignedAxes;
 pub use suspect::suspect_strength;
+pub use turn::{FilmTurn, film_turn};
 pub use units::FLUX_DENSITIES;

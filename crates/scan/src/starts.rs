@@ -89,10 +89,7 @@ pub(crate) fn starts(
     free: FreeParameters,
     centre: Option<DVec3>,
 ) -> Vec<Start> {
-    let usable: Vec<usize> = (0..points.len()).filter(|index| exclusions[*index].is_none()).collect();
-    let chosen = usable.iter().step_by(usable.len().div_ceil(search.compared()).max(1));
-    let (points, readings_t): (Vec<DVec3>, Vec<DVec3>) =
-        chosen.map(|index| (points[*index], readings_t[*index])).unzip();
+    let (points, readings_t) = sparse(points, readings_t, exclusions, search.compared());
     let lower = points.iter().copied().reduce(DVec3::min).unwrap_or_default();
     let upper = points.iter().copied().reduce(DVec3::max).unwrap_or_default();
     let middle = 0.5 * (lower + upper);
@@ -112,6 +109,18 @@ pub(crate) fn starts(
         search.shifts(field, &turned, likely).into_iter().filter_map(oriented).collect()
     };
     simplest_first(stages.into_par_iter().flat_map_iter(of_stage).collect())
+}
+
+/// At most so many of the usable points and readings, evenly along the scan.
+pub(crate) fn sparse(
+    points: &[DVec3],
+    readings_t: &[DVec3],
+    exclusions: &[Option<Exclusion>],
+    most: usize,
+) -> (Vec<DVec3>, Vec<DVec3>) {
+    let usable: Vec<usize> = (0..points.len()).filter(|index| exclusions[*index].is_none()).collect();
+    let chosen = usable.iter().step_by(usable.len().div_ceil(most).max(1));
+    chosen.map(|index| (points[*index], readings_t[*index])).unzip()
 }
 
 /// The starts of least error. Of similar errors, such as those of the reflections of a symmetric
@@ -159,7 +168,7 @@ impl Search {
 
 /// Orientation, strength and offset of the best linear function of the field, and the largest error
 /// of the readings that it explains. `None` for functions that no sensor has.
-fn oriented(field_t: &[DVec3], readings_t: &[DVec3], free: FreeParameters) -> Option<(f64, Start)> {
+pub(crate) fn oriented(field_t: &[DVec3], readings_t: &[DVec3], free: FreeParameters) -> Option<(f64, Start)> {
     let mut kept: Vec<usize> = (0..field_t.len()).collect();
     let explained = (EXPLAINED * field_t.len() as f64).ceil() as usize;
     let (mut linear, mut offset_t) = regression(field_t, readings_t, &kept, free.offset)?;

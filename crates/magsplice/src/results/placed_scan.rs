@@ -3,7 +3,9 @@
 use glam::DVec3;
 use magsplice_field::Scene;
 use magsplice_magnet::{Quantity, Tile};
-use magsplice_scan::{FreeParameters, ScanError, ScanFit, ScanParameters, fit_determined, fit_scan, suspect_strength};
+use magsplice_scan::{
+    FreeParameters, ScanError, ScanFit, ScanParameters, film_turn, fit_determined, fit_scan, suspect_strength,
+};
 
 use super::placement::{FittedScan, SensorPlacement, is_across};
 use crate::film_error::FilmError;
@@ -113,19 +115,20 @@ impl<'a> PlacedScan<'a> {
         };
         if let Some(fit) = fit.as_ref().filter(|fit| self.is_otherwise(fit)) {
             let determined = self.determined()?;
-            return Err(FilmError::Misplaced(Box::new(self.placement(determined.as_ref().unwrap_or(fit)))));
+            return Err(self.misplaced(determined.as_ref().unwrap_or(fit))?);
         }
         let start = fit.map_or(ScanParameters::PERFECT, |fit| fit.parameters);
         let medians =
             self.medians(&start).or_else(|error| match self.determined()?.filter(|fit| self.is_otherwise(fit)) {
-                Some(fit) => Err(FilmError::Misplaced(Box::new(self.placement(&fit)))),
+                Some(fit) => Err(self.misplaced(&fit)?),
                 None => Err(error),
             });
         let [residual_t, reading_t] = medians?;
         let other = (residual_t > MISPLACED * reading_t).then(|| self.explaining_fit(residual_t)).transpose()?;
         match other.flatten().filter(|fit| !self.expects_errors || self.is_otherwise(fit)) {
-            Some(fit) => Err(FilmError::Misplaced(Box::new(self.placement(&fit)))),
+            Some(fit) => Err(self.misplaced(&fit)?),
             None if residual_t > HOPELESS * reading_t && !self.expects_errors => {
+                self.refuse_turned()?;
                 Err(FilmError::Scan(ScanError::Misfit { residual_t, reading_t }))
             }
             None => Ok(start),
@@ -145,6 +148,24 @@ impl<'a> PlacedScan<'a> {
     fn is_across(&self, fit: &ScanFit) -> bool {
         let places_mm: Vec<DVec3> = self.points_mm.iter().map(|point| fit.place(*point)).collect();
         is_across(self.tiles, self.centre_mm, &places_mm)
+    }
+
+    /// The error of a scan that another placement of the sensor explains, or else a turn of the
+    /// film, which looks like another placement.
+    fn misplaced(&self, fit: &ScanFit) -> Result<FilmError, FilmError> {
+        self.refuse_turned()?;
+        Ok(FilmError::Misplaced(Box::new(self.placement(fit))))
+    }
+
+    /// # Errors
+    /// [`FilmError::Scan`] if a turn of the film against the positions explains the scan.
+    pub(super) fn refuse_turned(&self) -> Result<(), FilmError> {
+        let [_, reading_t] = self.medians(&ScanParameters::PERFECT)?;
+        let residual_t = self.determined()?.map_or(HOPELESS * reading_t, |fit| fit.noise_t);
+        match film_turn(&self.film, self.points_mm, self.field_t, residual_t) {
+            Some(turn) => Err(FilmError::Scan(ScanError::Turned(turn))),
+            None => Ok(()),
+        }
     }
 
     fn placement(&self, fit: &ScanFit) -> SensorPlacement {

@@ -5,7 +5,7 @@ use magsplice_decouple::{Branch, NoPlanes, Parameters, PerParameter, uniformity_
 use magsplice_magnet::Grid;
 use magsplice_scan::{
     Exclusion, FreeParameters, KNOWN_NOISE, Plateau, ROUND_OFF, ScanError, ScanField, ScanFit, ScanPositions,
-    SignedAxes, fit_determined, fit_scan,
+    SignedAxes, film_turn, fit_determined, fit_scan,
 };
 use serde::Serialize;
 
@@ -21,9 +21,12 @@ use crate::stage::Stage;
 /// at most 65 uT, and offsets of magnetometers are about as large.
 const MOST_OFFSET_T: f64 = 2e-4;
 
-/// Residual over the readings from which on the film is not as ordered, where the noise of the
-/// sensor is not known. Sensors read fields to a per cent.
+/// Residual over the readings from which on the film is not as ordered, or turned. Sensors read
+/// fields to a per cent.
 const MOST_SHARE: f64 = 0.02;
+
+/// Residual over the readings that a turn of the film leaves at most where nothing else fits.
+const LARGE_SHARE: f64 = 0.1;
 
 /// A scan that was fitted. Its readings have numbers, such as their lines in a file.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -187,13 +190,21 @@ impl Film {
         let rough = rigid.as_ref().map(|rigid| rigid.sensed_field(&Grid::around(points_mm))).transpose()?;
         let field = ScanField { exact: sensed.clone(), rough };
         let fit = match free {
-            Some(free) => fit_scan(field, points_mm, readings_t, free, centre_mm).map(|fit| (fit, free)),
-            None => fit_determined(field, points_mm, readings_t, centre_mm),
+            Some(free) => fit_scan(field.clone(), points_mm, readings_t, free, centre_mm).map(|fit| (fit, free)),
+            None => fit_determined(field.clone(), points_mm, readings_t, centre_mm),
         };
-        let (fit, free) = fit.map_err(|error| match error {
-            ScanError::Points(errors) => FilmError::Points(errors),
-            error => FilmError::Scan(error),
-        })?;
+        let (fit, free) = match fit {
+            Err(ScanError::Points(errors)) => return Err(FilmError::Points(errors)),
+            Err(error) => {
+                let finite = || readings_t.iter().filter(|reading_t| reading_t.is_finite());
+                let squares: f64 = finite().map(|reading_t| reading_t.length_squared()).sum();
+                let reading_t = (squares / (3 * finite().count().max(1)) as f64).sqrt();
+                // A turn leaves less than half of this.
+                let turn = film_turn(field, points_mm, readings_t, 2.0 * LARGE_SHARE * reading_t);
+                return Err(FilmError::Scan(turn.map_or(error, ScanError::Turned)));
+            }
+            Ok(fit) => fit,
+        };
         let ScanFit { parameters, deviations, sensor_axes, stage_axes, .. } = fit;
         let places_mm: Vec<DVec3> = points_mm.iter().map(|point| fit.place(*point)).collect();
         // Readings without the errors that the layout states, along the axes of its sensor.
@@ -206,6 +217,11 @@ impl Film {
         let kept: Vec<usize> = (0..points_mm.len()).filter(|index| fit.exclusions[*index].is_none()).collect();
         let squares: f64 = kept.iter().map(|index| corrected_t[*index].length_squared()).sum();
         let reading_t = (squares / (3 * kept.len().max(1)) as f64).sqrt();
+        if fit.noise_t > MOST_SHARE * reading_t
+            && let Some(turn) = film_turn(field, points_mm, readings_t, fit.noise_t)
+        {
+            return Err(FilmError::Scan(ScanError::Turned(turn)));
+        }
         let fields_t = [readings_t, &corrected_t, &simulated_t];
         let uniformity_rmse = self
             .ideal()

@@ -55,6 +55,9 @@ impl TileSearch<'_> {
         let (mut made_as, mut explained_by) = (None, None);
         let mut diagnosis = searched(self.expected.clone(), MOST_SINGLE_ERRORS)?;
         // Errors of tiles bend to a scan taken otherwise, or to other errors of every tile.
+        if !diagnosis.is_complete || diagnosis.detected.len() > 1 || !self.is_possible(&diagnosis) {
+            placed.refuse_turned()?;
+        }
         if !diagnosis.is_complete {
             explained_by = self.explained_by(&placed, MOST_SINGLE_ERRORS / 2)?;
             if explained_by.is_none() {

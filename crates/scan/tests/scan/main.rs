@@ -6,4 +6,5 @@ mod fit;
 mod noisy;
 mod sample_scan;
 mod suspect;
+mod turn;
 mod wild;
