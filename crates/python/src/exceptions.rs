@@ -19,9 +19,12 @@ mod python {
 pub(crate) fn of_layout(error: LayoutError) -> PyErr {
     let message = error.to_string();
     match error {
-        LayoutError::Read { error, .. } => match error.raw_os_error() {
-            // Python chooses the class by the number, such as FileNotFoundError.
-            Some(number) => PyOSError::new_err((number, message)),
+        LayoutError::Read { error, path } => match error.raw_os_error() {
+            // Python chooses the class by the number, such as FileNotFoundError, and prints it.
+            Some(number) => {
+                let reason = error.to_string().replace(&format!(" (os error {number})"), "");
+                PyOSError::new_err((number, reason, path))
+            }
             None => PyOSError::new_err(message),
         },
         LayoutError::Invalid { faults, .. } => {

@@ -31,7 +31,7 @@ use crate::output::destination::Output;
 /// searches with one option changed at a time show which limit stands in the way, and the exit
 /// status is 1. The summary ends with the errors of the film as made.
 #[derive(clap::Args)]
-#[command(after_help = "Example:\n  magsplice splice --wavelength 10 --film 20x20 --parts 3 -o film.toml")]
+#[command(after_help = "Example:\n  magsplice splice --wavelength 10 --film 20x20 --parts 3 -o found.toml")]
 pub(crate) struct SpliceArgs {
     /// Wavelength of the ideal film, in mm
     #[arg(long, value_name = "LENGTH", value_parser = length_mm, allow_hyphen_values = true)]

@@ -328,7 +328,8 @@ impl FilmScan {
             format!(
                 "the strength is not fitted, and the deviations do not contain errors of the tiles, which look like another \
                  strength, height, rotation and offset: each 10 % of strength is about {height_mm:.2} mm of height; a diagnosis with \
-                 the expected errors of the tiles (diagnose with --preset and --fit), of readings near the film, fits all and states their deviations"
+                 the expected errors of the tiles, such as those of a preset, fits all from readings near the film and \
+                 states their deviations"
             )
         });
         let share = self.residual_t / self.reading_t;
