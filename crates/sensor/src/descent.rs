@@ -20,7 +20,7 @@ const LONGEST_STEP: f64 = 0.25;
 /// Largest difference of a field from the reading, as a fraction of its magnitude, that counts as
 /// equal. The error of the exact field is 1e-13 of the sum over tiles, which is rarely 1e4 times
 /// the field.
-const SAME_FIELD: f64 = 1e-9;
+pub(crate) const SAME_FIELD: f64 = 1e-9;
 
 /// The box of the search for positions.
 #[derive(Clone, Copy, Debug)]

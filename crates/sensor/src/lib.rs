@@ -2,6 +2,7 @@
 //!
 //! * [`SensedField`]: the readings of a Hall sensor, averaged over its plates.
 //! * [`Locator`]: positions from readings, by the exact field and its gradient.
+//! * [`HeadLocator`]: positions and stray fields from all readings of a head.
 //! * [`experiment()`]: readings and positions of a moving film.
 //! * [`Stiffness`]: the force of an elastic layer from displacements.
 //! * [`DisplacementPolynomial`]: positions without the tiles, for small computers.
@@ -40,6 +41,8 @@
 mod descent;
 /// Readings of a sensor below a moving film.
 mod experiment;
+/// Positions from the readings of all sensors of a head.
+mod head_locator;
 /// Positions from readings.
 mod locator;
 /// Standard deviations of positions.
@@ -56,6 +59,7 @@ mod starts;
 mod stiffness;
 
 pub use experiment::{ExperimentSettings, ExperimentStep, displacements, experiment};
+pub use head_locator::{HeadFit, HeadLocator, HeadLocatorError, HeadUnknowns};
 pub use locator::{LocateError, Located, Locator};
 pub use noise::Noise;
 pub use polynomial::{DisplacementPolynomial, PolynomialError};

@@ -19,11 +19,11 @@ const LEAST_EXTENT: f64 = 0.1;
 
 /// Distance from the volume, as a fraction of its diagonal, up to which a position counts as
 /// inside: the round-off of positions on its surface.
-const ON_SURFACE: f64 = 1e-9;
+pub(crate) const ON_SURFACE: f64 = 1e-9;
 
 /// Distance above which two positions differ, as a fraction of the diagonal. Searches end within
 /// 1e-16 of the diagonal from each other, unless the gradient nearly vanishes.
-const APART: f64 = 1e-6;
+pub(crate) const APART: f64 = 1e-6;
 
 /// Steps along an axis of the enlarged grid: enough for a direction along which the volume has no
 /// extent, and few enough for any volume.
@@ -75,6 +75,9 @@ pub enum LocateError {
     /// No position within half the extent of the volume around it has the reading.
     #[error("no position in or near the volume has this reading")]
     NoPosition,
+    /// The readings of a head do not determine the numbers that are fitted.
+    #[error("the readings do not determine the numbers that are fitted: fit less, or use more sensors")]
+    Undetermined,
     /// The reading is at the limit of the sensor's range, and the flux density may be larger.
     #[error("the reading is at the limit of the sensor's range")]
     Saturated,
@@ -118,6 +121,23 @@ impl<'a> Locator<'a> {
     /// The volume.
     pub fn grid(&self) -> &Grid {
         &self.grid
+    }
+
+    pub(crate) fn region(&self) -> Region {
+        self.region
+    }
+
+    /// Where searches for a reading begin; those of a thorough search also in the reach around the
+    /// volume.
+    pub(crate) fn starts(&self, reading_t: DVec3, thorough: bool) -> Vec<DVec3> {
+        let (grid, at_grid_t) = match thorough {
+            true => {
+                let (grid, at_grid_t) = self.enlarged.get_or_init(|| self.enlarged());
+                (grid, at_grid_t)
+            }
+            false => (&self.grid, &self.readings_t),
+        };
+        starts(grid, at_grid_t, reading_t - self.constant_t, thorough)
     }
 
     /// The position of each reading, in the frame of the tiles. Readings are in tesla, as given by

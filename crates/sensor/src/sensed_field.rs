@@ -52,17 +52,17 @@ enum Parts {
 
 /// A sensor, and the nodes of its plates of x, y, z. One list if all plates are at one point.
 #[derive(Clone, Debug)]
-struct Part {
-    sensor: HallSensor,
-    nodes: Vec<Vec<Node>>,
+pub(crate) struct Part {
+    pub(crate) sensor: HallSensor,
+    pub(crate) nodes: Vec<Vec<Node>>,
 }
 
 /// A quadrature node, relative to the position of the sensor or head and in the frame of the tiles,
 /// with its weight in the mean.
 #[derive(Clone, Copy, Debug)]
-struct Node {
-    offset: DVec3,
-    weight: f64,
+pub(crate) struct Node {
+    pub(crate) offset: DVec3,
+    pub(crate) weight: f64,
 }
 
 /// The reason why a sensor cannot read a field.
@@ -169,6 +169,21 @@ impl<'a> SensedField<'a> {
     /// the head.
     pub fn sensor(&self) -> &HallSensor {
         &self.sensor
+    }
+
+    pub(crate) fn scene(&self) -> &'a Scene {
+        self.scene
+    }
+
+    /// The sensors of a head with their weights.
+    ///
+    /// # Panics
+    /// If this is the field of one sensor.
+    pub(crate) fn sensors(&self) -> Vec<(Part, DVec3)> {
+        match &self.parts {
+            Parts::One(_) => panic!("the field of a head"),
+            Parts::Sum(parts) => parts.clone(),
+        }
     }
 
     /// Number of quadrature nodes along each side of the active area.

@@ -13,12 +13,12 @@ use magsplice_sensor::{Locator, SensedField};
 
 const WAVELENGTH_MM: f64 = 10.0;
 
-fn film() -> (Scene, Grid) {
+pub(crate) fn film() -> (Scene, Grid) {
     let layout = Layout::read("../../layouts/published-film.toml").unwrap_or_else(|e| panic!("{e}"));
     (Scene::new(&layout.bare_tiles()), layout.volume.expect("a volume").grid)
 }
 
-fn head(board: Board, spacing: f64, sensor: HallSensor) -> SensorHead {
+pub(crate) fn head(board: Board, spacing: f64, sensor: HallSensor) -> SensorHead {
     let places = board.places(spacing);
     let weights = least_noise_weights(&places, &vec![1.0; places.len()], TAU / WAVELENGTH_MM).unwrap();
     let element = |(place, weight)| HeadElement { sensor, place, weight: DVec3::splat(weight) };

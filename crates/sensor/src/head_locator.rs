@@ -1,0 +1,541 @@
+//! Positions of a head, with a stray field and a rotation, from the readings of all its sensors.
+
+use glam::{DMat3, DQuat, DVec3};
+use magsplice_field::Scene;
+use magsplice_magnet::{Grid, PointErrors, Quantity};
+use nalgebra::{SMatrix, SVector};
+use rayon::prelude::*;
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+use thiserror::Error;
+
+use crate::descent::{Region, SAME_FIELD};
+use crate::locator::{APART, LocateError, Locator, ON_SURFACE};
+use crate::sensed_field::{Part, SensedField};
+
+/// Most numbers that are fitted: position, stray field, rotation.
+const MOST: usize = 9;
+
+type Normal = SMatrix<f64, MOST, MOST>;
+type Step = SVector<f64, MOST>;
+
+/// Largest number of steps of one search. Convergence takes five; a halved step takes one more.
+const MOST_STEPS: usize = 60;
+
+/// Length of a step over the diagonal of the volume, and in radians, below which a search ends.
+/// Steps converge quadratically, so the remaining error is the square of this length, plus
+/// round-off.
+const SHORTEST_STEP: f64 = 1e-8;
+
+/// Longest step over the diagonal of the volume. Farther away the field is not linear.
+const LONGEST_STEP: f64 = 0.25;
+
+/// Longest step of the rotation, in radians.
+const LONGEST_TURN: f64 = 0.2;
+
+/// Smallest eigenvalue of the normal matrix, scaled to a diagonal of 1, from which on the readings
+/// determine the numbers. Round-off of the products is 1e-15.
+const DETERMINED: f64 = 1e-11;
+
+/// Rise of chi squared up to which a second position explains the readings as well: less than one
+/// in 10 000 right positions is so much worse than a wrong one.
+const ALIKE: f64 = 16.0;
+
+/// Number of readings processed at a time, which bounds the memory.
+const BATCH: usize = 1 << 12;
+
+/// What is fitted to the readings of a head beside its position.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct HeadUnknowns {
+    /// A uniform field beside that of the film, along the axes of the board.
+    pub stray_field: bool,
+    /// The rotation of the board against the film: two tilts and a turn.
+    pub rotation: bool,
+}
+
+impl HeadUnknowns {
+    /// Number of fitted numbers with the position.
+    pub const fn count(self) -> usize {
+        3 + 3 * self.stray_field as usize + 3 * self.rotation as usize
+    }
+
+    /// Whether each of the numbers is fitted.
+    fn are_free(self) -> [bool; MOST] {
+        let [stray, turn] = [self.stray_field, self.rotation];
+        [true, true, true, stray, stray, stray, turn, turn, turn]
+    }
+}
+
+/// The reason why a head cannot be located.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
+pub enum HeadLocatorError {
+    /// The head has too few sensors for the unknowns.
+    #[error("{sensors} sensors give {} numbers, fewer than the {unknowns} that are fitted: fit less", 3 * sensors)]
+    TooFew {
+        /// Number of sensors.
+        sensors: usize,
+        /// Number of fitted numbers.
+        unknowns: usize,
+    },
+    /// Points of the volume have no field.
+    #[error("{0}")]
+    Points(PointErrors),
+}
+
+/// The least-squares fit of the readings of a head.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct HeadFit {
+    /// The position of the origin of the board, in the frame and the unit of length of the tiles.
+    pub position: DVec3,
+    /// Whether it is in the volume.
+    pub is_within: bool,
+    /// Gradient of the weighted sum there: column j is the derivative along x_j.
+    pub gradient: DMat3,
+    /// The stray field along the axes of the board, in tesla; 0 unless it is fitted.
+    pub stray_t: DVec3,
+    /// The rotation vector of the board against the film; 0 unless it is fitted.
+    pub rotation_rad: DVec3,
+    /// Standard deviations of the position for the noise of the sensors. Without noise, those for a
+    /// noise of 1 T.
+    pub position_deviation: DVec3,
+    /// Those of the stray field, in tesla.
+    pub stray_deviation_t: DVec3,
+    /// Those of the rotation.
+    pub rotation_deviation_rad: DVec3,
+    /// Sum of the squares of the residuals over the noise.
+    pub chi_squared: f64,
+    /// Its expectation for normal noise: the readings less the fitted numbers.
+    pub degrees_of_freedom: usize,
+    /// The sensor without which chi squared is least.
+    pub suspect: usize,
+    /// Chi squared without that sensor, which has three degrees of freedom less. `None` if the
+    /// others do not determine the numbers.
+    pub chi_squared_without: Option<f64>,
+}
+
+impl HeadFit {
+    /// Probability of as large a residual of a right model with normal noise. `None` without
+    /// degrees of freedom.
+    pub fn probability(&self) -> Option<f64> {
+        probability(self.chi_squared, self.degrees_of_freedom)
+    }
+
+    /// The sensor without which the residual is noise, where the residual of all is not: each by
+    /// its probability of a larger chi squared.
+    pub fn contradicting_sensor(&self, false_alarm: f64) -> Option<usize> {
+        let is_noise = |probability: Option<f64>| probability.is_some_and(|of| of >= false_alarm);
+        let without = probability(self.chi_squared_without?, self.degrees_of_freedom.checked_sub(3)?);
+        (!is_noise(self.probability()) && is_noise(without)).then_some(self.suspect)
+    }
+}
+
+/// The probability of a larger chi squared. `None` without degrees of freedom.
+fn probability(chi_squared: f64, freedom: usize) -> Option<f64> {
+    Some(ChiSquared::new(freedom as f64).ok()?.sf(chi_squared))
+}
+
+/// Finds the positions of a head in a volume from the readings of its sensors.
+#[derive(Debug)]
+pub struct HeadLocator<'a> {
+    /// The search by the weighted sum, from which least squares begin.
+    sum: Locator<'a>,
+    scene: &'a Scene,
+    sensors: Vec<Sensor>,
+    /// Whether the deviations are those of noise; otherwise all are 1 T.
+    has_noise: bool,
+    unknowns: HeadUnknowns,
+    region: Region,
+}
+
+/// A sensor of a head.
+#[derive(Clone, Debug)]
+struct Sensor {
+    part: Part,
+    weight: DVec3,
+    /// Part of its readings that comes neither from the film nor from the fitted stray field.
+    constant_t: DVec3,
+    deviation_t: DVec3,
+}
+
+/// The numbers of a fit.
+#[derive(Clone, Copy, Debug)]
+struct Numbers {
+    position: DVec3,
+    stray_t: DVec3,
+    rotation: DQuat,
+}
+
+/// The readings of a head at one set of numbers, compared with measured ones.
+struct Compared {
+    chi_squared: f64,
+    /// Sum of the squares of the readings over the noise.
+    reading_squares: f64,
+    normal: Normal,
+    right: Step,
+    /// For each sensor: whitened residual, and its derivatives.
+    residuals: Vec<DVec3>,
+    slopes: Vec<[DVec3; MOST]>,
+}
+
+/// A search in progress.
+struct Search<'r> {
+    index: usize,
+    readings_t: &'r [DVec3],
+    best: Option<(Numbers, Compared)>,
+    candidate: Numbers,
+    step: Step,
+}
+
+impl<'a> HeadLocator<'a> {
+    /// A locator for the volume of a grid, and the field of a head ([`SensedField::of_head`]).
+    ///
+    /// # Errors
+    /// See [`HeadLocatorError`].
+    ///
+    /// # Panics
+    /// If the field is that of one sensor.
+    pub fn new(
+        field: SensedField<'a>,
+        grid: Grid,
+        unknowns: HeadUnknowns,
+    ) -> Result<HeadLocator<'a>, HeadLocatorError> {
+        let (scene, parts) = (field.scene(), field.sensors());
+        if 3 * parts.len() < unknowns.count() {
+            return Err(HeadLocatorError::TooFew { sensors: parts.len(), unknowns: unknowns.count() });
+        }
+        let sensor = |(part, weight): (Part, DVec3)| {
+            let deviation_t = part.sensor.deviation_t();
+            Sensor { part, weight, constant_t: DVec3::ZERO, deviation_t }
+        };
+        let mut sensors: Vec<Sensor> = parts.into_iter().map(sensor).collect();
+        let has_noise = sensors.iter().all(|of| of.deviation_t.min_element() > 0.0);
+        if !has_noise {
+            sensors.iter_mut().for_each(|of| of.deviation_t = DVec3::ONE);
+        }
+        let sum = Locator::new(field, grid).map_err(HeadLocatorError::Points)?;
+        let region = sum.region();
+        Ok(HeadLocator { sum, scene, sensors, has_noise, unknowns, region })
+    }
+
+    /// Sets a constant part of the readings of each sensor in addition to the field of the tiles.
+    ///
+    /// # Panics
+    /// If there are not as many as sensors.
+    pub fn with_constant_readings(mut self, constants_t: &[DVec3]) -> HeadLocator<'a> {
+        assert_eq!(constants_t.len(), self.sensors.len(), "one constant reading of each sensor");
+        self.sensors.iter_mut().zip(constants_t).for_each(|(of, constant_t)| of.constant_t = *constant_t);
+        self
+    }
+
+    /// Sets the noise of the readings of every sensor.
+    pub fn with_deviation(mut self, deviation_t: DVec3) -> HeadLocator<'a> {
+        self.sensors.iter_mut().for_each(|of| of.deviation_t = deviation_t);
+        self.has_noise = true;
+        self
+    }
+
+    /// The volume.
+    pub fn grid(&self) -> &Grid {
+        self.sum.grid()
+    }
+
+    /// The fit of each reading of the head: one reading of each sensor, in their order, in tesla.
+    ///
+    /// Gauss-Newton steps minimize the sum of the squared residuals over the noise. They begin
+    /// where the weighted sum has the field nearest to that of the readings among its neighbours
+    /// on the grid, with no stray field and no rotation, and use the exact field and its gradient.
+    /// Without noise and model errors, the error of positions is the error bound of the field over
+    /// its gradient. Results do not depend on the other readings or on the number of threads.
+    ///
+    /// # Panics
+    /// If the number of readings is no multiple of that of the sensors.
+    pub fn locate(&self, readings_t: &[DVec3]) -> Vec<Result<HeadFit, LocateError>> {
+        let count = self.sensors.len();
+        assert_eq!(readings_t.len() % count, 0, "one reading of each sensor");
+        let rows: Vec<&[DVec3]> = readings_t.chunks(count).collect();
+        let batches = rows.par_chunks(BATCH / count + 1).map(|rows| self.locate_batch(rows));
+        batches.collect::<Vec<_>>().into_iter().flatten().collect()
+    }
+
+    fn locate_batch(&self, rows: &[&[DVec3]]) -> Vec<Result<HeadFit, LocateError>> {
+        let mut found: Vec<Result<HeadFit, LocateError>> = self.searched(rows, false);
+        let lost: Vec<usize> = (0..rows.len()).filter(|index| found[*index] == Err(LocateError::NoPosition)).collect();
+        let again: Vec<&[DVec3]> = lost.iter().map(|index| rows[*index]).collect();
+        for (index, fit) in lost.into_iter().zip(self.searched(&again, true)) {
+            found[index] = fit;
+        }
+        found
+    }
+
+    fn searched(&self, rows: &[&[DVec3]], thorough: bool) -> Vec<Result<HeadFit, LocateError>> {
+        let starts: Vec<Result<Vec<DVec3>, LocateError>> = rows.iter().map(|row| self.starts(row, thorough)).collect();
+        let mut searches: Vec<Search> = Vec::new();
+        for (row, starts) in rows.iter().zip(&starts) {
+            searches.extend(starts.iter().flatten().map(|start| Search {
+                index: 0,
+                readings_t: row,
+                best: None,
+                candidate: Numbers { position: *start, stray_t: DVec3::ZERO, rotation: DQuat::IDENTITY },
+                step: Step::zeros(),
+            }));
+        }
+        searches.iter_mut().enumerate().for_each(|(index, search)| search.index = index);
+        let mut ends = self.ends(searches).into_iter();
+        let of_row = |starts: Result<Vec<DVec3>, LocateError>| {
+            let ends: Vec<Option<(Numbers, Compared)>> = ends.by_ref().take(starts?.len()).collect();
+            self.only(ends.into_iter().flatten().collect())
+        };
+        starts.into_iter().map(of_row).collect()
+    }
+
+    /// Where the search for a reading begins.
+    fn starts(&self, readings_t: &[DVec3], thorough: bool) -> Result<Vec<DVec3>, LocateError> {
+        if !readings_t.iter().all(|reading_t| reading_t.is_finite()) {
+            return Err(LocateError::NotFinite);
+        }
+        let pairs = || self.sensors.iter().zip(readings_t);
+        if pairs().any(|(of, reading_t)| of.part.sensor.is_saturated(*reading_t)) {
+            return Err(LocateError::Saturated);
+        }
+        let sum_t = pairs().map(|(of, reading_t)| {
+            let sensor = &of.part.sensor;
+            of.weight * (sensor.rotation * ((*reading_t - of.constant_t - sensor.offset_t) / sensor.gain))
+        });
+        Ok(self.sum.starts(sum_t.sum(), thorough))
+    }
+
+    /// The ends of searches, in their order; `None` where steps left the field.
+    fn ends(&self, searches: Vec<Search>) -> Vec<Option<(Numbers, Compared)>> {
+        let mut ends: Vec<Option<(Numbers, Compared)>> = searches.iter().map(|_| None).collect();
+        let mut active = searches;
+        for _ in 0..MOST_STEPS {
+            if active.is_empty() {
+                break;
+            }
+            let points: Vec<DVec3> = active.iter().flat_map(|search| self.points(&search.candidate)).collect();
+            let mut field_t = vec![DVec3::ZERO; points.len()];
+            let mut gradient = vec![DMat3::ZERO; points.len()];
+            // Points without a field are NaN, and the step to them is halved.
+            let _ = self.scene.field_into(Quantity::FluxDensity, &points, &mut field_t);
+            let _ = self.scene.gradient_into(Quantity::FluxDensity, &points, &mut gradient);
+            let mut at = field_t.into_iter().zip(gradient);
+            let mut going = Vec::with_capacity(active.len());
+            for mut search in active {
+                let compared = self.compared(&search.candidate, search.readings_t, &mut at);
+                if search.advance(compared, &self.unknowns, &self.region) {
+                    let index = search.index;
+                    ends[index] = search.best;
+                } else {
+                    going.push(search);
+                }
+            }
+            active = going;
+        }
+        ends
+    }
+
+    /// The points whose field the sensors read.
+    fn points(&self, at: &Numbers) -> impl Iterator<Item = DVec3> + '_ {
+        let Numbers { position, rotation, .. } = *at;
+        let nodes = self.sensors.iter().flat_map(|sensor| sensor.part.nodes.iter().flatten());
+        nodes.map(move |node| position + rotation * node.offset)
+    }
+
+    /// Measured readings compared with those at numbers, from the field at their points.
+    fn compared(
+        &self,
+        at: &Numbers,
+        readings_t: &[DVec3],
+        field: &mut impl Iterator<Item = (DVec3, DMat3)>,
+    ) -> Compared {
+        let back = DMat3::from_quat(at.rotation.inverse());
+        let (mut normal, mut right) = (Normal::zeros(), Step::zeros());
+        let (mut chi_squared, mut reading_squares) = (0.0, 0.0);
+        let (mut residuals, mut slopes) = (Vec::new(), Vec::new());
+        for (sensor, reading_t) in self.sensors.iter().zip(readings_t) {
+            let Part { sensor: hall, nodes } = &sensor.part;
+            // Along the axes of the board: the mean over each plate, and its derivatives.
+            let means: Vec<(DVec3, [DVec3; MOST])> = nodes
+                .iter()
+                .map(|nodes| {
+                    let (mut mean_t, mut slope) = (at.stray_t, [DVec3::ZERO; MOST]);
+                    for node in nodes {
+                        let (b, gradient) = field.next().expect("a field at each point");
+                        mean_t += node.weight * (back * b);
+                        let arm = at.rotation * node.offset;
+                        for (axis, of) in DMat3::IDENTITY.to_cols_array_2d().map(DVec3::from).into_iter().enumerate() {
+                            slope[axis] += node.weight * (back * gradient.col(axis));
+                            // A turn by d about an axis of the film moves the node and the axes.
+                            let turned = gradient * of.cross(arm) + b.cross(of);
+                            slope[6 + axis] += node.weight * (back * turned);
+                        }
+                    }
+                    (0..3).for_each(|axis| slope[3 + axis][axis] = 1.0);
+                    (mean_t, slope)
+                })
+                .collect();
+            let plate = |axis: usize| &means[axis.min(means.len() - 1)];
+            let axes = DMat3::from_quat(hall.rotation);
+            let along = |of: &dyn Fn(usize) -> DVec3| DVec3::from([0, 1, 2].map(|axis| axes.col(axis).dot(of(axis))));
+            let computed_t = hall.gain * along(&|axis| plate(axis).0) + hall.offset_t + sensor.constant_t;
+            let residual = (*reading_t - computed_t) / sensor.deviation_t;
+            let free = self.unknowns.are_free();
+            let slope: [DVec3; MOST] = std::array::from_fn(|number| match free[number] {
+                true => hall.gain * along(&|axis| plate(axis).1[number]) / sensor.deviation_t,
+                false => DVec3::ZERO,
+            });
+            for row in 0..MOST {
+                right[row] += slope[row].dot(residual);
+                (0..MOST).for_each(|column| normal[(row, column)] += slope[row].dot(slope[column]));
+            }
+            chi_squared += residual.length_squared();
+            reading_squares += (*reading_t / sensor.deviation_t).length_squared();
+            residuals.push(residual);
+            slopes.push(slope);
+        }
+        Compared { chi_squared, reading_squares, normal, right, residuals, slopes }
+    }
+
+    /// The only position in the volume among the ends of the searches.
+    fn only(&self, mut ends: Vec<(Numbers, Compared)>) -> Result<HeadFit, LocateError> {
+        ends.sort_by(|a, b| a.1.chi_squared.total_cmp(&b.1.chi_squared));
+        let least = ends.first().ok_or(LocateError::NoPosition)?.1.chi_squared;
+        let (margin, apart) = (ON_SURFACE * self.region.diagonal, APART * self.region.diagonal);
+        let grid = self.sum.grid();
+        let is_within = |at: &Numbers| {
+            at.position.cmpge(grid.lower() - margin).all() && at.position.cmple(grid.upper() + margin).all()
+        };
+        let most = least + if self.has_noise { ALIKE } else { SAME_FIELD * SAME_FIELD * ends[0].1.reading_squares };
+        let alike = || ends.iter().filter(|(_, of)| of.chi_squared <= most);
+        let mut within: Vec<&(Numbers, Compared)> = Vec::new();
+        for end in alike().filter(|(at, _)| is_within(at)) {
+            if within.iter().all(|other| other.0.position.distance(end.0.position) > apart) {
+                within.push(end);
+            }
+        }
+        match within[..] {
+            [only] => self.fit(only, true),
+            [first, second, ..] => Err(LocateError::Ambiguous([first.0.position, second.0.position])),
+            [] => self.fit(&ends[0], false),
+        }
+    }
+
+    /// The gradient of the weighted sum.
+    fn gradient(&self, of: &Compared) -> DMat3 {
+        let term = |(sensor, slopes): (&Sensor, &[DVec3; MOST])| {
+            let hall = &sensor.part.sensor;
+            let column =
+                |axis: usize| sensor.weight * (hall.rotation * (slopes[axis] * sensor.deviation_t / hall.gain));
+            DMat3::from_cols(column(0), column(1), column(2))
+        };
+        self.sensors.iter().zip(&of.slopes).map(term).sum()
+    }
+
+    /// The fit at the end of a search.
+    fn fit(&self, (at, of): &(Numbers, Compared), is_within: bool) -> Result<HeadFit, LocateError> {
+        let covariance = covariance(&of.normal, self.unknowns).ok_or(LocateError::Undetermined)?;
+        let deviation = |from: usize| DVec3::from([0, 1, 2].map(|axis| covariance[(from + axis, from + axis)].sqrt()));
+        // Chi squared falls by r' (1 - H)^-1 r without a sensor, where H is its part of the
+        // projection on the slopes (R. D. Cook and S. Weisberg, Residuals and Influence in
+        // Regression, 1982, section 3.6).
+        let fall = |index: usize| -> Option<f64> {
+            let slopes = SMatrix::<f64, 3, MOST>::from_fn(|row, column| of.slopes[index][column][row]);
+            let left = SMatrix::<f64, 3, 3>::identity() - slopes * covariance * slopes.transpose();
+            let residual = SVector::<f64, 3>::from(of.residuals[index].to_array());
+            Some(residual.dot(&left.cholesky()?.solve(&residual)))
+        };
+        let falls = (0..self.sensors.len()).filter_map(|index| Some((index, fall(index)?)));
+        let suspect = falls.max_by(|a, b| a.1.total_cmp(&b.1));
+        let (axis, angle) = at.rotation.to_axis_angle();
+        Ok(HeadFit {
+            position: at.position,
+            is_within,
+            gradient: self.gradient(of),
+            stray_t: at.stray_t,
+            rotation_rad: axis * angle,
+            position_deviation: deviation(0),
+            stray_deviation_t: deviation(3),
+            rotation_deviation_rad: deviation(6),
+            chi_squared: of.chi_squared,
+            degrees_of_freedom: 3 * self.sensors.len() - self.unknowns.count(),
+            suspect: suspect.map_or(0, |(index, _)| index),
+            chi_squared_without: suspect.map(|(_, fall)| of.chi_squared - fall),
+        })
+    }
+}
+
+impl Search<'_> {
+    /// Takes a step. Returns whether the search has ended, with its best numbers.
+    fn advance(&mut self, compared: Compared, unknowns: &HeadUnknowns, region: &Region) -> bool {
+        let is_better = match &self.best {
+            None => compared.chi_squared.is_finite(),
+            Some((_, best)) => compared.chi_squared < best.chi_squared,
+        };
+        if is_better {
+            let Some(step) = step(&compared, *unknowns) else {
+                self.best = None;
+                return true;
+            };
+            self.best = Some((self.candidate, compared));
+            let shares =
+                [LONGEST_STEP * region.diagonal / part(&step, 0).length(), LONGEST_TURN / part(&step, 6).length()];
+            self.step = step * shares.into_iter().fold(1.0, f64::min);
+        } else {
+            self.step *= 0.5;
+        }
+        let Some((from, _)) = &self.best else { return true };
+        let moved = (from.position + part(&self.step, 0)).clamp(region.lower, region.upper);
+        let is_short = (moved - from.position).length() <= SHORTEST_STEP * region.diagonal
+            && part(&self.step, 6).length() <= SHORTEST_STEP;
+        self.candidate = Numbers {
+            position: moved,
+            stray_t: from.stray_t + part(&self.step, 3),
+            rotation: (DQuat::from_scaled_axis(part(&self.step, 6)) * from.rotation).normalize(),
+        };
+        if let Some((best, _)) = self.best.as_mut().filter(|_| is_short) {
+            // The last step needs no evaluation, because the field is linear over it.
+            *best = self.candidate;
+        }
+        is_short
+    }
+}
+
+/// Three of the numbers.
+fn part(step: &Step, from: usize) -> DVec3 {
+    DVec3::new(step[from], step[from + 1], step[from + 2])
+}
+
+/// The normal matrix scaled to a diagonal of 1, with 1 for numbers that are not fitted, and the
+/// scales.
+fn scaled(normal: &Normal, unknowns: HeadUnknowns) -> (Normal, Step) {
+    let free = unknowns.are_free();
+    let scales = Step::from_fn(|row, _| if free[row] { normal[(row, row)].sqrt() } else { 1.0 });
+    let matrix = Normal::from_fn(|row, column| match (free[row] && free[column], row == column) {
+        (true, _) => normal[(row, column)] / (scales[row] * scales[column]),
+        (false, is_diagonal) => f64::from(u8::from(is_diagonal)),
+    });
+    (matrix, scales)
+}
+
+/// The step of Gauss and Newton. `None` where the readings do not determine the numbers.
+fn step(compared: &Compared, unknowns: HeadUnknowns) -> Option<Step> {
+    let (matrix, scales) = scaled(&compared.normal, unknowns);
+    let solved = matrix.cholesky()?.solve(&compared.right.component_div(&scales));
+    Some(solved.component_div(&scales))
+}
+
+/// The covariance of the numbers; 0 for those that are not fitted. `None` where the readings do not
+/// determine them.
+fn covariance(normal: &Normal, unknowns: HeadUnknowns) -> Option<Normal> {
+    let (matrix, scales) = scaled(normal, unknowns);
+    if matrix.symmetric_eigenvalues().min() < DETERMINED {
+        return None;
+    }
+    let inverse = matrix.cholesky()?.inverse();
+    let free = unknowns.are_free();
+    Some(Normal::from_fn(|row, column| match free[row] && free[column] {
+        true => inverse[(row, column)] / (scales[row] * scales[column]),
+        false => 0.0,
+    }))
+}
