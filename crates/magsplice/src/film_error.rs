@@ -11,7 +11,7 @@ use magsplice_making::{AssignmentError, ShortGroup};
 use magsplice_recoil::tolerances::{MAX_CELLS, MOST_PERMEABILITY_OF_TREE};
 use magsplice_recoil::{RecoilError, RefinementError};
 use magsplice_scan::{DiagnosisError, SampleScanError, ScanError};
-use magsplice_sensor::{LocateError, PolynomialError, SensedFieldError, StiffnessError};
+use magsplice_sensor::{HeadLocatorError, LocateError, PolynomialError, SensedFieldError, StiffnessError};
 use magsplice_tolerance::SampleError;
 use thiserror::Error;
 
@@ -27,6 +27,20 @@ pub enum FilmError {
     /// The layout has a head, and this needs one sensor.
     #[error("{0}: leave out head or [[sensor.element]] of [sensor]")]
     Head(&'static str),
+    /// The layout has one sensor, and this needs a head.
+    #[error("readings of several sensors need head or [[sensor.element]] in [sensor]")]
+    NoHead,
+    /// The readings are not one of each sensor.
+    #[error("the head has {sensors} sensors, and there are {given} readings: each position needs one of each sensor")]
+    SensorReadings {
+        /// Number of sensors.
+        sensors: usize,
+        /// Number of readings, of all or for each position.
+        given: usize,
+    },
+    /// The readings of a head cannot be fitted.
+    #[error("{0}")]
+    HeadLocator(#[source] HeadLocatorError),
     /// There is not enough memory.
     #[error("{0}")]
     Memory(#[source] MemoryError),
@@ -170,6 +184,14 @@ pub enum FilmError {
 }
 
 impl FilmError {
+    /// The failure of the fit of a head.
+    pub(crate) fn of_head(error: HeadLocatorError) -> FilmError {
+        match error {
+            HeadLocatorError::Points(errors) => FilmError::Points(errors),
+            error => FilmError::HeadLocator(error),
+        }
+    }
+
     /// The failure of a refinement, with the names of the tiles that it is about.
     pub fn from_recoil(error: RefinementError, layout: &Layout) -> FilmError {
         let indices = match &error {

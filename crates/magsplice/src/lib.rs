@@ -84,6 +84,7 @@ pub use magsplice_design as design;
 pub use magsplice_expect as expect;
 pub use magsplice_field as field;
 pub use magsplice_force as force;
+pub use magsplice_head as head;
 pub use magsplice_ideal as ideal;
 #[cfg(feature = "layout")]
 pub use magsplice_layout as layout;

@@ -12,7 +12,7 @@ use crate::descent::{Region, SAME_FIELD};
 use crate::locator::{APART, LocateError, Locator, ON_SURFACE};
 use crate::sensed_field::{Part, SensedField};
 
-/// Most numbers that are fitted: position, stray field, rotation.
+/// Most numbers that are fitted, in this order: position, stray field, rotation.
 const MOST: usize = 9;
 
 type Normal = SMatrix<f64, MOST, MOST>;
@@ -43,25 +43,37 @@ const ALIKE: f64 = 16.0;
 /// Number of readings processed at a time, which bounds the memory.
 const BATCH: usize = 1 << 12;
 
-/// What is fitted to the readings of a head beside its position.
+/// What is fitted to the readings of a head.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct HeadUnknowns {
-    /// A uniform field beside that of the film, along the axes of the board.
-    pub stray_field: bool,
-    /// The rotation of the board against the film: two tilts and a turn.
-    pub rotation: bool,
+#[cfg_attr(feature = "serde", derive(serde::Deserialize, serde::Serialize), serde(rename_all = "kebab-case"))]
+#[non_exhaustive]
+pub enum HeadUnknowns {
+    /// The position.
+    Position,
+    /// The position, and a uniform field beside that of the film along the axes of the board.
+    StrayField,
+    /// The same, and the rotation of the board against the film: two tilts and a turn.
+    Pose,
 }
 
 impl HeadUnknowns {
-    /// Number of fitted numbers with the position.
+    /// Number of fitted numbers.
     pub const fn count(self) -> usize {
-        3 + 3 * self.stray_field as usize + 3 * self.rotation as usize
+        match self {
+            HeadUnknowns::Position => 3,
+            HeadUnknowns::StrayField => 6,
+            HeadUnknowns::Pose => MOST,
+        }
     }
 
-    /// Whether each of the numbers is fitted.
-    fn are_free(self) -> [bool; MOST] {
-        let [stray, turn] = [self.stray_field, self.rotation];
-        [true, true, true, stray, stray, stray, turn, turn, turn]
+    /// Whether a stray field is fitted.
+    pub const fn has_stray_field(self) -> bool {
+        !matches!(self, HeadUnknowns::Position)
+    }
+
+    /// Whether the rotation is fitted.
+    pub const fn has_rotation(self) -> bool {
+        matches!(self, HeadUnknowns::Pose)
     }
 }
 
@@ -380,8 +392,7 @@ impl<'a> HeadLocator<'a> {
             let along = |of: &dyn Fn(usize) -> DVec3| DVec3::from([0, 1, 2].map(|axis| axes.col(axis).dot(of(axis))));
             let computed_t = hall.gain * along(&|axis| plate(axis).0) + hall.offset_t + sensor.constant_t;
             let residual = (*reading_t - computed_t) / sensor.deviation_t;
-            let free = self.unknowns.are_free();
-            let slope: [DVec3; MOST] = std::array::from_fn(|number| match free[number] {
+            let slope: [DVec3; MOST] = std::array::from_fn(|number| match number < self.unknowns.count() {
                 true => hall.gain * along(&|axis| plate(axis).1[number]) / sensor.deviation_t,
                 false => DVec3::ZERO,
             });
@@ -509,9 +520,9 @@ fn part(step: &Step, from: usize) -> DVec3 {
 /// The normal matrix scaled to a diagonal of 1, with 1 for numbers that are not fitted, and the
 /// scales.
 fn scaled(normal: &Normal, unknowns: HeadUnknowns) -> (Normal, Step) {
-    let free = unknowns.are_free();
-    let scales = Step::from_fn(|row, _| if free[row] { normal[(row, row)].sqrt() } else { 1.0 });
-    let matrix = Normal::from_fn(|row, column| match (free[row] && free[column], row == column) {
+    let free = unknowns.count();
+    let scales = Step::from_fn(|row, _| if row < free { normal[(row, row)].sqrt() } else { 1.0 });
+    let matrix = Normal::from_fn(|row, column| match (row.max(column) < free, row == column) {
         (true, _) => normal[(row, column)] / (scales[row] * scales[column]),
         (false, is_diagonal) => f64::from(u8::from(is_diagonal)),
     });
@@ -533,8 +544,7 @@ fn covariance(normal: &Normal, unknowns: HeadUnknowns) -> Option<Normal> {
         return None;
     }
     let inverse = matrix.cholesky()?.inverse();
-    let free = unknowns.are_free();
-    Some(Normal::from_fn(|row, column| match free[row] && free[column] {
+    Some(Normal::from_fn(|row, column| match row.max(column) < unknowns.count() {
         true => inverse[(row, column)] / (scales[row] * scales[column]),
         false => 0.0,
     }))

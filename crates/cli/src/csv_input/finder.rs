@@ -1,7 +1,7 @@
 //! Groups of columns, found by their names.
 
 use super::limited_lines::shown;
-use super::quantities::Group;
+use super::quantities::{Fit, Group};
 use crate::args::given_units::GivenUnits;
 use crate::units::{self, Unit};
 
@@ -30,7 +30,7 @@ pub(crate) struct Needed {
     names: Vec<String>,
 }
 
-impl<const N: usize> Group<N> {
+impl<const N: usize> Group<'_, N> {
     /// The group as one that must be there.
     pub(crate) fn needed(&self) -> Needed {
         Needed { quantity: self.name, names: (0..N).map(|component| self.suggested(component)).collect() }
@@ -52,6 +52,11 @@ impl<'a> Finder<'a> {
     /// All names, for messages.
     pub(crate) fn names_found(&self) -> String {
         shown(&self.names.join(","))
+    }
+
+    /// How well the names fit a group.
+    pub(crate) fn fit<const N: usize>(&self, group: &Group<N>) -> Fit {
+        group.fit(self.names)
     }
 
     /// The names of columns, for messages.

@@ -4,11 +4,11 @@ use super::names::unit_in;
 use crate::units::{self, COLUMN_ANGLES, FIELD_STRENGTHS, FLUX_DENSITIES, FORCES, LENGTHS, MOMENTS, READINGS, Unit};
 
 /// The columns of one quantity, one for each component.
-pub(crate) struct Group<const N: usize> {
+pub(crate) struct Group<'n, const N: usize> {
     /// The quantity, as messages call it.
     pub(crate) name: &'static str,
     /// For each component: what the name of its column may be, without the unit.
-    pub(crate) columns: [&'static [&'static str]; N],
+    pub(crate) columns: [&'n [&'n str]; N],
     /// What follows the names that messages suggest, such as `_mm`.
     pub(crate) suffix: &'static str,
     /// Units of the columns; empty for columns of text and plain numbers.
@@ -99,11 +99,36 @@ pub(crate) const FORCE: Group<3> = Group {
 pub(crate) const TILE: Group<1> = text("tile", &["tile", "name", "label"]);
 
 /// A column of text.
-pub(crate) const fn text(name: &'static str, column: &'static [&'static str]) -> Group<1> {
+pub(crate) const fn text(name: &'static str, column: &'static [&'static str]) -> Group<'static, 1> {
     Group { name, columns: [column], suffix: "", units: &[] }
 }
 
-impl<const N: usize> Group<N> {
+/// Names of the columns of one of several sensors, which count from 0 or 1.
+pub(crate) struct NumberedReading([Vec<String>; 3]);
+
+impl NumberedReading {
+    /// The names of sensor `number`: `bx1`, `bx_1`, `b_x_1`, `b1x`, `b1_x`.
+    pub(crate) fn new(number: usize) -> NumberedReading {
+        NumberedReading(["x", "y", "z"].map(|axis| {
+            vec![
+                format!("b{axis}{number}"),
+                format!("b{axis}_{number}"),
+                format!("b_{axis}_{number}"),
+                format!("b{number}{axis}"),
+                format!("b{number}_{axis}"),
+            ]
+        }))
+    }
+
+    /// What `read` does with the names as a group, which borrows them.
+    pub(crate) fn with<T>(&self, read: impl FnOnce(&Group<3>) -> T) -> T {
+        let names = self.0.each_ref().map(|names| names.iter().map(String::as_str).collect::<Vec<&str>>());
+        let columns = names.each_ref().map(Vec::as_slice);
+        read(&Group { columns, ..READING })
+    }
+}
+
+impl<const N: usize> Group<'_, N> {
     /// How well a line has a name for each column, with a known unit or none.
     pub(crate) fn fit(&self, names: &[String]) -> Fit {
         self.fit_of(names, N)

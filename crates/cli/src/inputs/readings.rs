@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
+use magsplice::head::HeadElement;
 use magsplice::prelude::{DVec3, Film};
 
 use crate::args::given_units::GivenUnits;
 use crate::csv_input::finder::{Column, Finder};
-use crate::csv_input::quantities::{FIELD_STRENGTH, FORCE, Group, POSITION, READING};
+use crate::csv_input::quantities::{FIELD_STRENGTH, FORCE, Fit, Group, NumberedReading, POSITION, READING};
 use crate::csv_input::rows::{Cells, Form, Rows};
 use crate::failure::Failure;
 use crate::session::Session;
@@ -16,12 +17,17 @@ const MAX_READINGS: usize = 10_000_000;
 
 const FORM: Form = Form { rows: "readings", most: MAX_READINGS, too_many: ": divide the file", is_log: true };
 
+/// Numbers of the first sensor in names of columns.
+const FIRST_NUMBERS: [usize; 2] = [0, 1];
+
 /// Readings, and what was recorded with each. A missing component is NaN.
 pub(crate) struct Readings {
     /// Positions of the sensor, or forces on the film.
     pub(crate) beside: Vec<DVec3>,
-    /// Flux densities.
+    /// Flux densities: of one sensor or the weighted sum of a head, or of each sensor of the head.
     pub(crate) readings_t: Vec<DVec3>,
+    /// Number of flux densities of a row.
+    pub(crate) sensors: usize,
     pub(crate) lines: Vec<u64>,
 }
 
@@ -50,10 +56,10 @@ pub(crate) fn with_forces(session: &Session, path: &Path, units: Option<&GivenUn
     read(session, path, units, Beside::Force)
 }
 
-/// Columns of a vector beside the reading, if there is one, and of the reading.
+/// Columns of a vector beside the reading, if there is one, and of the reading of each sensor.
 struct Columns {
     beside: Option<[Option<Column>; 3]>,
-    reading: [Column; 3],
+    sensors: Vec<[Column; 3]>,
 }
 
 fn read(session: &Session, path: &Path, units: Option<&GivenUnits>, beside: Beside) -> Result<Readings, Failure> {
@@ -65,7 +71,8 @@ fn read(session: &Session, path: &Path, units: Option<&GivenUnits>, beside: Besi
     let example = group.map_or(READING.example(), |group| format!("{},{}", group.example(), READING.example()));
     let no_units = GivenUnits::default();
     let fit = |names: &[String]| {
-        let reading = READING.fit(names).max(FIELD_STRENGTH.fit(names));
+        let numbered = FIRST_NUMBERS.map(|first| NumberedReading::new(first).with(|group| group.fit(names)));
+        let reading = numbered.into_iter().fold(READING.fit(names).max(FIELD_STRENGTH.fit(names)), Fit::max);
         reading.min(match beside {
             Beside::Nothing => reading,
             Beside::Position => POSITION.fit(names),
@@ -78,21 +85,26 @@ fn read(session: &Session, path: &Path, units: Option<&GivenUnits>, beside: Besi
             Beside::Position => finder.required(&POSITION).map(|columns| Some(columns.map(Some))),
             Beside::Force => force_columns(finder).map(Some),
         };
-        let reading = reading_columns(finder, session);
-        Some(Columns { beside: beside?, reading: reading? })
+        let sensors = sensors_columns(finder, session);
+        Some(Columns { beside: beside?, sensors: sensors? })
     };
     let rows = Rows::open(path, FORM, &example, Some(units.unwrap_or(&no_units)), fit, find)?;
-    let (found, lines) = rows
-        .read_all(&|remark| session.tell(remark), |columns, cells| row(columns, cells, beside == Beside::Position))?;
-    let has_positions = beside == Beside::Position;
-    let (beside, readings_t): (Vec<DVec3>, Vec<DVec3>) = found.into_iter().unzip();
+    let (has_positions, sensors) = (beside == Beside::Position, rows.columns.sensors.len());
+    if has_positions && sensors > 1 {
+        let message = "a scan needs the readings of one sensor, or the weighted sums of the head in bx, by, bz";
+        return Err(Failure::at(path, message.to_owned()));
+    }
+    let mut readings_t = Vec::new();
+    let (beside, lines) = rows.read_all(&|remark| session.tell(remark), |columns, cells| {
+        row(columns, cells, has_positions, &mut readings_t)
+    })?;
     let positions = if has_positions { &beside[..] } else { &[] };
     // Recoil changes the field by per cents, and a range by less than a setting.
     let film = Film::rigid(session.layout.clone());
-    if let Some(remark) = film.remark_on_range(positions, &readings_t) {
+    if let Some(remark) = film.remark_on_range(positions, &readings_t).filter(|_| sensors == 1) {
         session.tell(&format!("{}: {remark}", path.display()));
     }
-    Ok(Readings { beside, readings_t, lines })
+    Ok(Readings { beside, readings_t, sensors, lines })
 }
 
 /// The columns of the forces, one at least.
@@ -105,13 +117,34 @@ fn force_columns(finder: &mut Finder) -> Option<[Option<Column>; 3]> {
     Some(columns)
 }
 
-/// The columns of the readings. Counts are converted by the sensor of the layout.
-fn reading_columns(finder: &mut Finder, session: &Session) -> Option<[Column; 3]> {
-    let Some(mut columns) = finder.group(&READING).or_else(|| finder.group(&FIELD_STRENGTH)) else {
-        finder.missing(&[READING.needed()]);
-        return None;
-    };
-    let count_t = session.layout.sensor.as_ref().map_or(DVec3::ZERO, |sensor| sensor.as_one().count_t);
+/// The columns of the readings: of every sensor of the head of the layout, or else of one sensor or
+/// the weighted sum.
+fn sensors_columns(finder: &mut Finder, session: &Session) -> Option<Vec<[Column; 3]>> {
+    let sensor = session.layout.sensor.as_ref();
+    let head = sensor.and_then(|sensor| sensor.head.as_ref()).map_or(&[][..], |head| &head.sensors.elements);
+    let is_there = |first: &usize| NumberedReading::new(*first).with(|group| finder.fit(group)) > Fit::None;
+    match FIRST_NUMBERS.into_iter().find(is_there).filter(|_| head.len() > 1) {
+        Some(first) => {
+            let columns = |(number, of): (usize, &HeadElement)| {
+                let columns = NumberedReading::new(number).with(|group| finder.required(group));
+                columns.map(|columns| in_tesla(finder, session, columns, of.sensor.count_t))
+            };
+            let of_all: Vec<Option<[Column; 3]>> = (first..).zip(head).map(columns).collect();
+            of_all.into_iter().collect()
+        }
+        None => {
+            let Some(columns) = finder.group(&READING).or_else(|| finder.group(&FIELD_STRENGTH)) else {
+                finder.missing(&[READING.needed()]);
+                return None;
+            };
+            let count_t = sensor.map_or(DVec3::ZERO, |sensor| sensor.as_one().count_t);
+            Some(vec![in_tesla(finder, session, columns, count_t)])
+        }
+    }
+}
+
+/// Columns of a reading with counts converted by the flux density of a count.
+fn in_tesla(finder: &mut Finder, session: &Session, mut columns: [Column; 3], count_t: DVec3) -> [Column; 3] {
     let unknown: Vec<Column> = columns
         .iter()
         .zip(count_t.to_array())
@@ -127,17 +160,20 @@ fn reading_columns(finder: &mut Finder, session: &Session) -> Option<[Column; 3]
     for (column, count_t) in columns.iter_mut().zip(count_t.to_array()).filter(|(column, _)| column.unit.is_count) {
         column.unit.factor = count_t;
     }
-    Some(columns)
+    columns
 }
 
-/// The vector beside the reading of a row, and the reading.
-fn row(columns: &Columns, cells: &mut Cells, is_position: bool) -> Option<(DVec3, DVec3)> {
+/// The vector beside the readings of a row, which are added to `readings_t`.
+fn row(columns: &Columns, cells: &mut Cells, is_position: bool, readings_t: &mut Vec<DVec3>) -> Option<DVec3> {
     let position: Vec<Column> = columns.beside.filter(|_| is_position).into_iter().flatten().flatten().collect();
     if cells.is_any_missing(&position) {
         cells.leave_out("a coordinate of its position is missing");
         return None;
     }
     let beside = columns.beside.map_or(Some(DVec3::ZERO), |beside| cells.measured(&beside));
-    let reading = cells.measured(&columns.reading.map(Some));
-    Some((beside?, reading?))
+    for columns in &columns.sensors {
+        // A fault refuses the file.
+        readings_t.push(cells.measured(&columns.map(Some)).unwrap_or(DVec3::NAN));
+    }
+    beside
 }

@@ -72,11 +72,11 @@ const ANGLE: Group<1> = angles("angle", [&["angle"]]);
 const ABOUT_AXES: Group<3> = angles("Euler angles", [&["rx"], &["ry"], &["rz"]]);
 const NUMBERED: Group<3> = angles("Euler angles", [&["euler_1"], &["euler_2"], &["euler_3"]]);
 
-const fn plain<const N: usize>(name: &'static str, columns: [&'static [&'static str]; N]) -> Group<N> {
+const fn plain<const N: usize>(name: &'static str, columns: [&'static [&'static str]; N]) -> Group<'static, N> {
     Group { name, columns, suffix: "", units: &[] }
 }
 
-const fn angles<const N: usize>(name: &'static str, columns: [&'static [&'static str]; N]) -> Group<N> {
+const fn angles<const N: usize>(name: &'static str, columns: [&'static [&'static str]; N]) -> Group<'static, N> {
     Group { name, columns, suffix: "_deg", units: &COLUMN_ANGLES }
 }
 

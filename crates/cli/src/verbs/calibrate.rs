@@ -9,7 +9,7 @@ use magsplice::prelude::DVec3;
 use magsplice::results::{FilmCalibration, FilmReadings};
 use magsplice::sensor::Stiffness;
 
-use super::read::{located, unlocated};
+use super::read::{HeadFitArg, located, unlocated};
 use crate::args::formats::ResultArgs;
 use crate::args::given_units::{GivenUnits, given_units};
 use crate::args::numbers::whole;
@@ -58,9 +58,10 @@ pub(crate) fn run(args: &CalibrateArgs, quiet: bool) -> Result<(), Failure> {
     let session = Session::open(&args.layout, remarks::OF_FIELDS, quiet)?;
     let film = session.film()?;
     let output = session.output(args.result.output.as_deref(), [&*args.readings])?;
-    let Readings { beside: forces_n, readings_t, lines } =
-        readings::with_forces(&session, &args.readings, args.unit.as_ref())?;
-    let readings = located(&session, &film, &args.readings, &readings_t, [args.zero, args.rest], None)?;
+    let read = readings::with_forces(&session, &args.readings, args.unit.as_ref())?;
+    let fitted = HeadFitArg::StrayField;
+    let readings = located(&session, &film, &args.readings, &read, [args.zero, args.rest], None, fitted)?;
+    let Readings { beside: forces_n, lines, .. } = read;
     let (place, faults) = (args.readings.display().to_string(), unlocated(&readings, &lines));
     if !faults.is_empty() {
         session.tell(&faults.remarks(&place));

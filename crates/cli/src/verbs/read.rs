@@ -2,9 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use clap::ValueEnum;
 use magsplice::prelude::DVec3;
-use magsplice::results::{AtRest, FilmReadings};
-use magsplice::sensor::Noise;
+use magsplice::results::{AtRest, FilmReadings, HeadFits};
+use magsplice::sensor::{HeadUnknowns, Noise};
 use magsplice::{Film, FilmError};
 
 use crate::args::formats::TableFormat;
@@ -29,11 +30,17 @@ use crate::session::{OF_SENSORS, Session};
 /// Readings without a position in the working volume, or with two, are listed on standard error.
 /// The displacement is NaN where there are two positions or none. The column `status` is 0 for a
 /// position in the volume, 1 for one outside by more than four deviations of the noise, 2 for two
-/// positions, 3 for none, and 4 for a reading at the limit of the sensor's range.
+/// positions, 3 for none, 4 for a reading at the limit of the sensor's range, 5 for a missing
+/// component, and 6 where the sensors of a head contradict each other.
 ///
 /// With [sensor] in the layout, the readings are from this sensor, with its plates, gains, offsets
 /// and rotation, and --noise defaults to its noise. With [elastomer], the result has the force on
 /// the film.
+///
+/// With a head, a row has the weighted sum of its sensors, or a reading of each: bx1_t, by1_t,
+/// bz1_t, bx2_t and so on, in the order of the head and counted from 0 or 1. Position and stray
+/// field are then fitted to all of them, and a residual beyond the noise, but for 1 in 1000, is
+/// remarked on.
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  magsplice read film.toml readings.csv --noise 5uT -o moved.csv")]
 pub(crate) struct ReadArgs {
@@ -59,6 +66,9 @@ pub(crate) struct ReadArgs {
     #[arg(long, value_name = "N", default_value = "0", conflicts_with = "zero",
         value_parser = |text: &str| whole(text, 0..=usize::MAX))]
     rest: usize,
+    /// What is fitted to the readings of all sensors of a head [default: stray-field]
+    #[arg(long, value_enum, value_name = "WHAT")]
+    fit: Option<HeadFitArg>,
     /// Unit of columns named bx, by, bz without a unit, such as uT, G or counts of [sensor]; the
     /// line of column names is still required
     #[arg(long, value_name = "UNIT", value_parser = given_units)]
@@ -71,20 +81,50 @@ pub(crate) struct ReadArgs {
     format: Option<TableFormat>,
 }
 
+/// What is fitted to the readings of a head.
+#[derive(Clone, Copy, ValueEnum)]
+pub(crate) enum HeadFitArg {
+    /// The position
+    Position,
+    /// The position and a uniform stray field: two sensors
+    StrayField,
+    /// The position, a uniform stray field, and tilts and turn of the board: three sensors
+    Pose,
+}
+
+impl HeadFitArg {
+    const fn unknowns(self) -> HeadUnknowns {
+        match self {
+            HeadFitArg::Position => HeadUnknowns::Position,
+            HeadFitArg::StrayField => HeadUnknowns::StrayField,
+            HeadFitArg::Pose => HeadUnknowns::Pose,
+        }
+    }
+}
+
 pub(crate) fn run(args: &ReadArgs, quiet: bool) -> Result<(), Failure> {
     let session = Session::open(&args.layout, remarks::OF_FIELDS, quiet)?;
     let film = session.film()?;
     session.volume(OF_SENSORS)?;
     let format = choice::choose_rows(args.format, args.output.as_deref(), "readings")?;
     let mut output = session.output(args.output.as_deref(), [&*args.readings])?;
-    let Readings { readings_t, lines, .. } = readings::alone(&session, &args.readings, args.unit.as_ref())?;
-    let found = located(&session, &film, &args.readings, &readings_t, [args.zero, args.rest], args.noise)?;
+    let readings = readings::alone(&session, &args.readings, args.unit.as_ref())?;
+    if readings.sensors == 1 && args.fit.is_some() {
+        let message = "--fit needs a reading of each sensor of the head: bx1, by1, bz1, bx2, ...";
+        return Err(Failure::at(&args.readings, message.to_owned()));
+    }
+    let fitted = args.fit.unwrap_or(HeadFitArg::StrayField);
+    let found = located(&session, &film, &args.readings, &readings, [args.zero, args.rest], args.noise, fitted)?;
+    let lines = readings.lines;
     table::write(&found.table(&args.readings.display().to_string()), &found, format, &mut output)?;
     output.finish()?;
     session.progress.end();
     let faults = unlocated(&found, &lines);
     if !faults.is_empty() {
         session.tell(&faults.remarks(args.readings.display()));
+    }
+    if let Some(remark) = found.of_head.as_ref().and_then(HeadFits::remark) {
+        session.tell(&format!("{}: {remark}\n", args.readings.display()));
     }
     if let Some(hint) = &found.hint {
         session.tell(&format!("{}: {hint}\n", args.readings.display()));
@@ -98,15 +138,17 @@ pub(super) fn located(
     session: &Session,
     film: &Film,
     file: &Path,
-    readings_t: &[DVec3],
+    readings: &Readings,
     [zero, rest]: [usize; 2],
     noise: Option<Noise>,
+    fitted: HeadFitArg,
 ) -> Result<FilmReadings, Failure> {
     let refused = |message: String| Failure::at(file, message);
     let option = if rest > 0 { "--rest" } else { "--zero" };
+    let Readings { readings_t, sensors, lines, .. } = readings;
     let first = |count: usize| {
-        let too_few = || refused(format!("has {} readings, fewer than the {count} of {option}", readings_t.len()));
-        readings_t.get(..count).ok_or_else(too_few)
+        let too_few = || refused(format!("has {} readings, fewer than the {count} of {option}", lines.len()));
+        readings_t.get(..sensors.saturating_mul(count)).ok_or_else(too_few)
     };
     let at_rest = match (zero, rest) {
         (0, 0) => AtRest::Constant(DVec3::ZERO),
@@ -114,8 +156,13 @@ pub(super) fn located(
         (_, rest) => AtRest::Rest(first(rest)?),
     };
     session.volume(OF_SENSORS)?;
-    film.read(readings_t, at_rest, noise).map_err(|error| match error {
+    let found = match sensors {
+        1 => film.read(readings_t, at_rest, noise),
+        _ => film.read_sensors(readings_t, at_rest, noise, fitted.unknowns()),
+    };
+    found.map_err(|error| match error {
         FilmError::AtRest(error) => refused(format!("the mean of the readings of {option}: {error}")),
+        FilmError::HeadLocator(error) => refused(format!("{error}, by another --fit")),
         error => session.failed(error),
     })
 }

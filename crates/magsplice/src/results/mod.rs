@@ -38,6 +38,8 @@ mod found_film;
 /// The films of a trade-off.
 #[cfg(feature = "design")]
 mod front;
+/// Positions of a head by the readings of all its sensors.
+mod head_fits;
 /// The head of a film in numbers.
 mod head_summary;
 /// Typical errors of every tile that explain a scan.
@@ -91,6 +93,7 @@ pub use forces::{FilmLoads, ForceChange, LoadN, OrderChoice, OrderedLoads, TileL
 pub use found_film::FoundFilm;
 #[cfg(feature = "design")]
 pub use front::{FilmFront, FrontFilm};
+pub use head_fits::{HeadFits, RESIDUAL_ALARM};
 pub use head_summary::HeadSummary;
 pub use out_of_range::OutOfRange;
 pub use parts::{BillOfMaterials, MAX_KERF_MM, PartItem};

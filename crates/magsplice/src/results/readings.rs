@@ -8,6 +8,7 @@ use magsplice_scan::{FLUX_DENSITIES, SignedAxes};
 use magsplice_sensor::{LocateError, Located, Locator, Noise, SensedField, mean_at_rest};
 use serde::Serialize;
 
+use super::head_fits::HeadFits;
 use super::source::Source;
 use super::table::{ColumnQuantity, MetadataValue, Rows, Table};
 use crate::film::Film;
@@ -15,11 +16,11 @@ use crate::film_error::FilmError;
 use crate::stage::Stage;
 
 /// Readings between two reports of progress.
-const STRETCH: usize = 1 << 12;
+pub(super) const STRETCH: usize = 1 << 12;
 
 /// Standard deviations by which a position may be outside the volume because of noise: of normal
 /// errors, one of 30 000 is larger.
-const MOST_DEVIATIONS: f64 = 4.0;
+pub(super) const MOST_DEVIATIONS: f64 = 4.0;
 
 /// What is known of the sensor at rest, where displacements begin.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,6 +64,9 @@ pub struct FilmReadings {
     /// Other axes or another unit with which readings without a position in the volume have one.
     #[serde(skip)]
     pub hint: Option<String>,
+    /// What the readings of all sensors of a head tell; `None` for weighted sums and one sensor.
+    #[serde(skip)]
+    pub of_head: Option<HeadFits>,
 }
 
 /// Share of the readings without a position in the volume from which on another reading of the
@@ -205,12 +209,13 @@ impl Film {
             origin_mm,
             noise,
             elastomer: self.layout().elastomer,
+            of_head: None,
         })
     }
 
     /// The displacement of the sensor from where it had a reading at rest, by the closed form of
     /// the ideal film; NaN where a reading has none. `None` without an ideal film.
-    fn closed_form_mm(
+    pub(super) fn closed_form_mm(
         &self,
         sensed: &SensedField,
         at_rest_t: DVec3,
@@ -241,6 +246,9 @@ impl FilmReadings {
     /// Standard deviations of the displacement in millimetres; NaN without a position. `None`
     /// without noise.
     pub fn deviation_mm(&self) -> Option<Vec<DVec3>> {
+        if let Some(of_head) = &self.of_head {
+            return of_head.has_noise.then(|| of_head.of_each(|fit| fit.position_deviation));
+        }
         let noise = self.noise?;
         Some(self.of_each(|located| noise.of_position(located.gradient)))
     }
@@ -254,14 +262,16 @@ impl FilmReadings {
 
     /// Standard deviations of the force in newton. `None` without noise or an elastic layer.
     pub fn force_deviation_n(&self) -> Option<Vec<DVec3>> {
-        let (noise, stiffness) = (self.noise?, self.elastomer?.stiffness_n_per_mm());
-        Some(self.of_each(|located| Some(stiffness * noise.of_position(located.gradient)?)))
+        let stiffness = self.elastomer?.stiffness_n_per_mm();
+        Some(self.deviation_mm()?.into_iter().map(|deviation_mm| stiffness * deviation_mm).collect())
     }
 
     /// For each reading 0: in the volume; 1: outside; 2: two positions; 3: none; 4: at the limit of
-    /// the sensor's range; 5: a component is missing.
+    /// the sensor's range; 5: a component is missing; 6: in the volume, but the residual of the
+    /// sensors of a head is too large for the noise.
     pub fn status(&self) -> impl Iterator<Item = u8> + '_ {
-        self.found.iter().map(|found| match found {
+        self.found.iter().enumerate().map(|(reading, found)| match found {
+            Ok(_) if self.of_head.as_ref().is_some_and(|of| of.is_residual_too_large(reading)) => 6,
             Ok(_) => 0,
             Err(LocateError::Outside(_)) => 1,
             Err(LocateError::Ambiguous(_)) => 2,
@@ -287,11 +297,12 @@ impl FilmReadings {
         let columns = vectors
             .into_iter()
             .filter_map(|(name, components, values)| Some(ColumnQuantity::of_vectors(name, components, &values?)));
+        let of_head = self.of_head.iter().flat_map(HeadFits::columns);
         let status = ColumnQuantity::of_whole(&["status"], self.status());
         let mut metadata = self.source.metadata();
         metadata.push(("readings", MetadataValue::Text(file.to_owned())));
         let rows = Rows::Numbered { name: "reading", first: 1, count: self.found.len() };
-        Table::new(rows, columns.chain([status]).collect(), metadata)
+        Table::new(rows, columns.chain(of_head).chain([status]).collect(), metadata)
     }
 
     fn of_each(&self, value: impl Fn(Located) -> Option<DVec3>) -> Vec<DVec3> {

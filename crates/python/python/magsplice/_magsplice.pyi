@@ -159,6 +159,7 @@ def read(
     constant_t: _Vector,
     zero_t: _Floats | None,
     rest_t: _Floats | None,
+    fit: tuple[str, int] | None,
 ) -> tuple[tuple[_Result, _Result], list[str]]: ...
 def calibrate(
     film: Film,

@@ -24,7 +24,7 @@ from magsplice._scan import (
     check_scan,
     fitted_words,
 )
-from magsplice._sensor import Readings, constant_or_rest, noise_of
+from magsplice._sensor import HeadFit, Readings, constant_or_rest, noise_of
 
 
 class Sensed(Assembly):
@@ -42,6 +42,7 @@ class Sensed(Assembly):
         constant_t: Sequence[float] = (0.0, 0.0, 0.0),
         zero: ArrayLike | None = None,
         rest: ArrayLike | None = None,
+        fit: HeadFit | None = None,
     ) -> Readings:
         """Displacements and forces from the readings of a Hall sensor below the film.
 
@@ -64,6 +65,11 @@ class Sensed(Assembly):
         rest : array_like of shape (..., 3), optional
             Readings of the sensor at rest, in tesla, in the field of the film alone. Displacements
             count from their position. Excludes `constant_t` and `zero`.
+        fit : {"position", "stray-field", "pose"}, optional
+            What is fitted to the readings of all sensors of a head: the position, with a uniform
+            stray field, with tilts and turn of the board too. Readings, `zero` and `rest` then have
+            the shape (..., N, 3), one reading of each of the N sensors in their order. Default:
+            the readings of a head are the weighted sums of its sensors.
 
         Returns
         -------
@@ -74,20 +80,28 @@ class Sensed(Assembly):
         Raises
         ------
         MagspliceError
-            If the sensor cannot read the field, or the mean of `rest` has no position.
+            If the sensor cannot read the field, or the mean of `rest` has no position, or the
+            layout has no head with enough sensors for `fit`.
         ValueError
             If more than one of `constant_t`, `zero` and `rest` is given, one has no readings or
-            readings that are not finite, or a noise is not above 0.
+            readings that are not finite, or a noise is not above 0; or readings for `fit` have
+            another shape than (..., N, 3).
 
         Warns
         -----
         MeasurementWarning
-            If readings have positions with other axes or another unit alone.
+            If readings have positions with other axes or another unit alone, or the sensors of a
+            head contradict each other.
         """
         flat, shape = flattened(readings_t, "readings")
-        _warn_of_range(self, flat[:0], flat)
         constant = constant_or_rest(constant_t, zero, rest)
-        (numbers, more), remarks = _magsplice.read(self, flat, noise_of(noise_t), *constant)
+        if fit is None:
+            _warn_of_range(self, flat[:0], flat)
+            of_head = None
+        else:
+            shape, of_head = shape[:-1], (fit, shape[-1] if shape else 1)
+        noise = noise_of(noise_t)
+        (numbers, more), remarks = _magsplice.read(self, flat, noise, *constant, of_head)
         _findings.warn_of_measurement(self, remarks)
         return Readings(numbers, **shaped(more, shape))
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,6 +22,7 @@ STATUS = (
     "not found",
     "saturated",
     "incomplete",
+    "contradicting",
 )
 
 #: Names of the columns of arrays.
@@ -30,6 +31,14 @@ _COLUMNS = {
     "deviation_mm": ("deviation_x_mm", "deviation_y_mm", "deviation_z_mm"),
     "force_n": ("fx_n", "fy_n", "fz_n"),
     "closed_form_mm": ("closed_form_dx_mm", "closed_form_dy_mm", "closed_form_dz_mm"),
+    "stray_t": ("stray_x_t", "stray_y_t", "stray_z_t"),
+    "stray_deviation_t": ("stray_deviation_x_t", "stray_deviation_y_t", "stray_deviation_z_t"),
+    "rotation_deg": ("rotation_x_deg", "rotation_y_deg", "rotation_z_deg"),
+    "rotation_deviation_deg": (
+        "rotation_deviation_x_deg",
+        "rotation_deviation_y_deg",
+        "rotation_deviation_z_deg",
+    ),
 }
 
 
@@ -53,7 +62,20 @@ class Readings(OfFilm, Table):
     )
     status: NDArray[np.uint8] = key(
         """0: in the volume; 1: outside; 2: two positions have the reading; 3: none has; 4:
-        saturated; 5: a component is missing; shape (...)."""
+        saturated; 5: a component is missing; 6: the sensors of a head contradict each other beyond
+        the noise, as 1 of 1000 does by chance; shape (...)."""
+    )
+    stray_t: Floats | None = key(
+        "Stray field along the axes of the board, shape (..., 3). None unless it is fitted."
+    )
+    stray_deviation_t: Floats | None = key("Standard deviations, shape (..., 3).")
+    rotation_deg: Floats | None = key(
+        "Rotation vector of the board against the film, shape (..., 3). None unless it is fitted."
+    )
+    rotation_deviation_deg: Floats | None = key("Standard deviations, shape (..., 3).")
+    chi_squared_over_freedom: Floats | None = key(
+        """Squares of the residuals over the noise, over their expectation, shape (...). None unless
+        more readings are there than numbers."""
     )
     messages: list[str] = key(
         "The reason why a reading has no position in the volume; an empty text where it has one."
@@ -66,6 +88,8 @@ class Readings(OfFilm, Table):
             array = getattr(self, name)
             if array is not None:
                 columns |= split(components, array)
+        if self.chi_squared_over_freedom is not None:
+            columns["chi_squared_over_freedom"] = self.chi_squared_over_freedom.ravel()
         return {**columns, "status": self.status.ravel()}
 
     def _shown(self) -> Iterator[tuple[str, Any]]:
@@ -79,6 +103,10 @@ class Readings(OfFilm, Table):
             if array is not None and array.size > 3 * _MOST_ROWS:
                 yield name, f"{array.size // 3 - _MOST_ROWS} more"
         yield from ((text, count) for text, count in zip(STATUS, counts, strict=True) if count)
+
+
+#: What is fitted to the readings of all sensors of a head.
+HeadFit = Literal["position", "stray-field", "pose"]
 
 
 def at_rest(name: str, readings_t: ArrayLike) -> Floats:

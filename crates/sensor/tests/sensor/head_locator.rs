@@ -11,9 +11,6 @@ use statrs::distribution::{ContinuousCDF, Normal};
 
 use crate::heads::{film, head};
 
-const STRAY: HeadUnknowns = HeadUnknowns { stray_field: true, rotation: false };
-const POSE: HeadUnknowns = HeadUnknowns { stray_field: true, rotation: true };
-
 /// Noise along the axes of every sensor.
 const NOISE_T: DVec3 = DVec3::new(1.5e-6, 1.5e-6, 2.4e-6);
 
@@ -57,7 +54,7 @@ fn readings_without_noise_are_inverted() {
     let mut random = ChaCha8Rng::seed_from_u64(1);
     let sensor = HallSensor { rotation: DQuat::from_rotation_x(0.1), ..HallSensor::default() };
     for head in heads(sensor) {
-        let locator = locator(&scene, &head, &grid, STRAY);
+        let locator = locator(&scene, &head, &grid, HeadUnknowns::StrayField);
         for _ in 0..100 {
             let (at, stray_t) = (place(&mut random), vector(&mut random, 1e-4));
             let readings_t = readings_t(&scene, &head, at, stray_t, DQuat::IDENTITY);
@@ -75,7 +72,7 @@ fn tilts_and_turns_are_inverted() {
     let (scene, grid) = film();
     let mut random = ChaCha8Rng::seed_from_u64(2);
     let head = head(Board::Cross, 5.0, HallSensor::default());
-    let locator = locator(&scene, &head, &grid, POSE);
+    let locator = locator(&scene, &head, &grid, HeadUnknowns::Pose);
     for _ in 0..100 {
         let (at, stray_t, turn) = (place(&mut random), vector(&mut random, 1e-4), vector(&mut random, 0.05));
         let readings_t = readings_t(&scene, &head, at, stray_t, DQuat::from_scaled_axis(turn));
@@ -103,8 +100,8 @@ fn scatter_is_that_of_the_fisher_information() {
     let at = DVec3::new(0.7, -0.4, -4.1);
     for (head, unknowns) in heads(HallSensor::default())
         .iter()
-        .map(|head| (head, STRAY))
-        .chain([(&head(Board::Cross, 5.0, HallSensor::default()), POSE)])
+        .map(|head| (head, HeadUnknowns::StrayField))
+        .chain([(&head(Board::Cross, 5.0, HallSensor::default()), HeadUnknowns::Pose)])
     {
         let fits = noisy(head, unknowns, 2000, at, 3);
         let scatter = |of: &dyn Fn(&HeadFit) -> DVec3| {
@@ -128,10 +125,10 @@ fn scatter_is_that_of_the_fisher_information() {
 #[test]
 fn false_alarms_are_as_rare_as_stated() {
     let cross = head(Board::Cross, 5.0, HallSensor::default());
-    let fits = noisy(&cross, STRAY, 2000, DVec3::new(-1.2, 0.3, -3.6), 4);
+    let fits = noisy(&cross, HeadUnknowns::StrayField, 2000, DVec3::new(-1.2, 0.3, -3.6), 4);
     let alarms = fits.iter().filter(|fit| fit.probability().is_some_and(|of| of < 0.01)).count();
     assert!((6..=34).contains(&alarms), "{alarms}");
-    let pair = &noisy(&heads(HallSensor::default())[0], STRAY, 1, DVec3::new(0.1, 0.2, -4.0), 5)[0];
+    let pair = &noisy(&heads(HallSensor::default())[0], HeadUnknowns::StrayField, 1, DVec3::new(0.1, 0.2, -4.0), 5)[0];
     assert_eq!((pair.degrees_of_freedom, pair.probability()), (0, None));
 }
 
@@ -141,7 +138,7 @@ fn false_alarms_are_as_rare_as_stated() {
 fn contradicting_sensors_are_named() {
     let (scene, grid) = film();
     let head = head(Board::Cross, 5.0, HallSensor::default());
-    let locator = locator(&scene, &head, &grid, STRAY).with_deviation(NOISE_T);
+    let locator = locator(&scene, &head, &grid, HeadUnknowns::StrayField).with_deviation(NOISE_T);
     let mut random = ChaCha8Rng::seed_from_u64(6);
     for wrong in 0..5 {
         let mut readings_t = readings_t(&scene, &head, place(&mut random), DVec3::ZERO, DQuat::IDENTITY);
@@ -163,13 +160,12 @@ fn undetermined_numbers_are_refused() {
     twice.elements.iter_mut().for_each(|of| of.weight = DVec3::splat(0.5));
     let at = DVec3::new(0.3, 0.4, -4.2);
     let readings_t = readings_t(&scene, &twice, at, DVec3::ZERO, DQuat::IDENTITY);
-    let found = locator(&scene, &twice, &grid, STRAY).locate(&readings_t);
+    let found = locator(&scene, &twice, &grid, HeadUnknowns::StrayField).locate(&readings_t);
     assert!(matches!(found[0], Err(LocateError::Undetermined | LocateError::NoPosition)), "{found:?}");
-    let alone = HeadUnknowns { stray_field: false, rotation: false };
-    let fit = locator(&scene, &twice, &grid, alone).locate(&readings_t).remove(0).unwrap();
+    let fit = locator(&scene, &twice, &grid, HeadUnknowns::Position).locate(&readings_t).remove(0).unwrap();
     assert!((fit.position - at).length() < 1e-9);
     let pair = SensedField::of_head(&scene, &twice, &grid).unwrap();
-    let error = HeadLocator::new(pair, grid, POSE).unwrap_err();
+    let error = HeadLocator::new(pair, grid, HeadUnknowns::Pose).unwrap_err();
     assert_eq!(error, HeadLocatorError::TooFew { sensors: 2, unknowns: 9 });
     assert_eq!(error.to_string(), "2 sensors give 6 numbers, fewer than the 9 that are fitted: fit less");
 }
@@ -181,7 +177,7 @@ fn other_readings_are_told_apart() {
     let limited = HallSensor { range_t: DVec3::splat(2e-2), ..HallSensor::default() };
     let head = head(Board::Cross, 5.0, limited);
     let constants_t: Vec<DVec3> = (0..5).map(|of| 1e-5 * DVec3::new(f64::from(of), 1.0, -2.0)).collect();
-    let locator = locator(&scene, &head, &grid, STRAY).with_constant_readings(&constants_t);
+    let locator = locator(&scene, &head, &grid, HeadUnknowns::StrayField).with_constant_readings(&constants_t);
     let at = |place: DVec3| -> Vec<DVec3> {
         let field_t = readings_t(&scene, &head, place, DVec3::ZERO, DQuat::IDENTITY);
         field_t.into_iter().zip(&constants_t).map(|(b, constant_t)| b + *constant_t).collect()

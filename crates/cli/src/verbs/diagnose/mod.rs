@@ -116,7 +116,7 @@ pub(crate) fn run(args: &DiagnoseArgs, quiet: bool) -> Result<(), Failure> {
     // A scan without noise is refused before its file is read.
     let known = Film::rigid(session.layout.clone()).scan_noise_t(args.noise);
     known.map_err(|_| session.no_noise("--noise, such as 10uT"))?;
-    let Readings { beside: points_mm, readings_t, lines } =
+    let Readings { beside: points_mm, readings_t, lines, .. } =
         readings::at_positions(&session, &args.scan, args.unit.as_ref())?;
     let element = session.layout.sensor.as_ref().map(|sensor| sensor.as_one()).unwrap_or_default();
     if element.plates != [DVec3::ZERO; 3] || element.active_area != [0.0; 2] {

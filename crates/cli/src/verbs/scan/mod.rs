@@ -82,7 +82,7 @@ pub(crate) fn run(args: &ScanArgs, quiet: bool) -> Result<(), Failure> {
     #[cfg(feature = "report")]
     let figures =
         args.figures.as_deref().map(|path| Folder::open(path, "scan", &[&args.layout, &args.scan])).transpose()?;
-    let Readings { beside: points_mm, readings_t, lines } =
+    let Readings { beside: points_mm, readings_t, lines, .. } =
         readings::at_positions(&session, &args.scan, args.unit.as_ref())?;
     let found = film
         .scan(&points_mm, &readings_t, &lines, (!args.fit.is_empty()).then(|| FitArg::free(&args.fit)))
