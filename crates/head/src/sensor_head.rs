@@ -52,6 +52,12 @@ impl SensorHead {
         self.elements.iter().map(variance).sum::<DVec3>().map(f64::sqrt)
     }
 
+    /// The head with this noise of the readings of every sensor.
+    pub fn with_noise(mut self, noise_t: DVec3) -> SensorHead {
+        self.elements.iter_mut().for_each(|of| of.sensor.noise_t = noise_t);
+        self
+    }
+
     /// The sensor that reads the weighted sum: without errors but for the noise of the sum, and
     /// without the limits of the sensors.
     pub fn as_one(&self) -> HallSensor {

@@ -42,18 +42,37 @@ pub struct FilmTurn {
     pub residual_t: f64,
 }
 
-/// The turn of a film that explains a scan, if it leaves less than half of the residual
-/// `residual_t` of the film without a turn. The sensor may be turned and have an offset, and the
-/// scan may start elsewhere; the strength is held.
+impl FilmTurn {
+    /// The scan in the frame of the film: positions about their middle and readings, turned back.
+    pub fn undone(&self, points: &[DVec3], readings_t: &[DVec3]) -> (Vec<DVec3>, Vec<DVec3>) {
+        let (middle, back) = (middle(points), FilmTurn::back(self.angle_deg));
+        let places = points.iter().map(|point| middle + back * (*point - middle)).collect();
+        (places, readings_t.iter().map(|reading_t| back * *reading_t).collect())
+    }
+
+    /// Whether it leaves less than half of the residual without a turn.
+    pub fn explains(&self, residual_t: f64) -> bool {
+        self.residual_t < BETTER * residual_t
+    }
+
+    fn back(angle_deg: f64) -> DMat3 {
+        DMat3::from_rotation_z(-angle_deg.to_radians())
+    }
+}
+
+/// The middle of a scan.
+fn middle(points: &[DVec3]) -> DVec3 {
+    let [lower, upper] = [DVec3::min, DVec3::max].map(|bound| points.iter().copied().reduce(bound).unwrap_or_default());
+    0.5 * (lower + upper)
+}
+
+/// The turn of a film with which it explains a scan best, if that is no turn of less than 0.5
+/// degrees. The sensor may be turned and have an offset, and the scan may start elsewhere; the
+/// strength is held.
 ///
 /// # Panics
 /// If the numbers of points and readings differ.
-pub fn film_turn<'a>(
-    field: impl Into<ScanField<'a>>,
-    points: &[DVec3],
-    readings_t: &[DVec3],
-    residual_t: f64,
-) -> Option<FilmTurn> {
+pub fn film_turn<'a>(field: impl Into<ScanField<'a>>, points: &[DVec3], readings_t: &[DVec3]) -> Option<FilmTurn> {
     assert_eq!(points.len(), readings_t.len(), "one reading per point");
     let ScanField { exact, rough } = field.into();
     let sensor = *exact.sensor();
@@ -62,11 +81,10 @@ pub fn film_turn<'a>(
     let readings_t: Vec<DVec3> =
         readings_t.iter().map(|reading_t| (*reading_t - sensor.offset_t) / sensor.gain).collect();
     let field = rough.unwrap_or(exact).without_gain_and_offset();
-    let [lower, upper] = [DVec3::min, DVec3::max].map(|bound| points.iter().copied().reduce(bound).unwrap_or_default());
-    let middle = 0.5 * (lower + upper);
+    let middle = middle(points);
     let free = FreeParameters::HELD_STRENGTH;
     let placed = |angle_deg: f64, points: &[DVec3]| -> Vec<DVec3> {
-        let back = DMat3::from_rotation_z(-angle_deg.to_radians());
+        let back = FilmTurn::back(angle_deg);
         points.iter().map(|point| middle + back * (*point - middle)).collect()
     };
     let sensor_turn = |angle_deg: f64| ScanParameters {
@@ -88,7 +106,7 @@ pub fn film_turn<'a>(
     };
     let refined = turns.into_iter().take(REFINED).map(|(_, angle_deg)| least(angle_deg, fitted));
     let best = refined.min_by(|a, b| a.residual_t.total_cmp(&b.residual_t))?;
-    (best.residual_t < BETTER * residual_t && best.angle_deg.abs() >= LEAST_DEG).then_some(best)
+    (best.residual_t.is_finite() && best.angle_deg.abs() >= LEAST_DEG).then_some(best)
 }
 
 /// The turn of least residual within a step of an angle, by golden sections.

@@ -26,6 +26,10 @@ const MOST_STEPS: usize = 60;
 /// round-off.
 const SHORTEST_STEP: f64 = 1e-8;
 
+/// Fall of chi squared over itself, or over the round-off of the readings, up to which a search
+/// ends. A step of the stray field alone may explain all of it.
+const LEAST_FALL: f64 = 1e-6;
+
 /// Longest step over the diagonal of the volume. Farther away the field is not linear.
 const LONGEST_STEP: f64 = 0.25;
 
@@ -142,6 +146,21 @@ impl HeadFit {
     }
 }
 
+/// What the noise of all sensors lets a head see at a position: the Fisher information of one
+/// reading of each, with the other unknowns fitted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct HeadResolution {
+    /// Standard deviations of the position, in the unit of length of the tiles.
+    pub position_deviation: DVec3,
+    /// Those of the stray field, in tesla; 0 unless it is fitted.
+    pub stray_deviation_t: DVec3,
+    /// Smallest singular value of the derivatives of the readings over their noise by the position,
+    /// without the parts that other unknowns explain: the reading in units of its noise for a
+    /// displacement of 1 along the least visible direction.
+    pub least_singular_value: f64,
+}
+
 /// The probability of a larger chi squared. `None` without degrees of freedom.
 fn probability(chi_squared: f64, freedom: usize) -> Option<f64> {
     Some(ChiSquared::new(freedom as f64).ok()?.sf(chi_squared))
@@ -245,6 +264,29 @@ impl<'a> HeadLocator<'a> {
         self.sensors.iter_mut().for_each(|of| of.deviation_t = deviation_t);
         self.has_noise = true;
         self
+    }
+
+    /// The resolution at positions; `None` where the numbers are not determined or a sensor has no
+    /// field.
+    pub fn resolution(&self, positions: &[DVec3]) -> Vec<Option<HeadResolution>> {
+        let at = |position: &DVec3| {
+            let numbers = Numbers { position: *position, stray_t: DVec3::ZERO, rotation: DQuat::IDENTITY };
+            let points: Vec<DVec3> = self.points(&numbers).collect();
+            let field_t = self.scene.field_at(Quantity::FluxDensity, &points).ok()?;
+            let gradient = self.scene.gradient_at(Quantity::FluxDensity, &points).ok()?;
+            let zeros = vec![DVec3::ZERO; self.sensors.len()];
+            let compared = self.compared(&numbers, &zeros, &mut field_t.into_iter().zip(gradient));
+            let covariance = covariance(&compared.normal, self.unknowns)?;
+            let [position, stray_t] = [0, 3].map(|from| deviations(&covariance, from));
+            let of_position = covariance.fixed_view::<3, 3>(0, 0).into_owned();
+            let largest = of_position.symmetric_eigenvalues().max();
+            Some(HeadResolution {
+                position_deviation: position,
+                stray_deviation_t: stray_t,
+                least_singular_value: largest.sqrt().recip(),
+            })
+        };
+        positions.par_iter().map(at).collect()
     }
 
     /// The volume.
@@ -446,7 +488,6 @@ impl<'a> HeadLocator<'a> {
     /// The fit at the end of a search.
     fn fit(&self, (at, of): &(Numbers, Compared), is_within: bool) -> Result<HeadFit, LocateError> {
         let covariance = covariance(&of.normal, self.unknowns).ok_or(LocateError::Undetermined)?;
-        let deviation = |from: usize| DVec3::from([0, 1, 2].map(|axis| covariance[(from + axis, from + axis)].sqrt()));
         // Chi squared falls by r' (1 - H)^-1 r without a sensor, where H is its part of the
         // projection on the slopes (R. D. Cook and S. Weisberg, Residuals and Influence in
         // Regression, 1982, section 3.6).
@@ -465,9 +506,9 @@ impl<'a> HeadLocator<'a> {
             gradient: self.gradient(of),
             stray_t: at.stray_t,
             rotation_rad: axis * angle,
-            position_deviation: deviation(0),
-            stray_deviation_t: deviation(3),
-            rotation_deviation_rad: deviation(6),
+            position_deviation: deviations(&covariance, 0),
+            stray_deviation_t: deviations(&covariance, 3),
+            rotation_deviation_rad: deviations(&covariance, 6),
             chi_squared: of.chi_squared,
             degrees_of_freedom: 3 * self.sensors.len() - self.unknowns.count(),
             suspect: suspect.map_or(0, |(index, _)| index),
@@ -495,10 +536,12 @@ impl Search<'_> {
         } else {
             self.step *= 0.5;
         }
-        let Some((from, _)) = &self.best else { return true };
+        let Some((from, at)) = &self.best else { return true };
         let moved = (from.position + part(&self.step, 0)).clamp(region.lower, region.upper);
+        let floor = SAME_FIELD * SAME_FIELD * at.reading_squares;
         let is_short = (moved - from.position).length() <= SHORTEST_STEP * region.diagonal
-            && part(&self.step, 6).length() <= SHORTEST_STEP;
+            && part(&self.step, 6).length() <= SHORTEST_STEP
+            && at.right.dot(&self.step) <= LEAST_FALL * at.chi_squared.max(floor);
         self.candidate = Numbers {
             position: moved,
             stray_t: from.stray_t + part(&self.step, 3),
@@ -527,6 +570,11 @@ fn scaled(normal: &Normal, unknowns: HeadUnknowns) -> (Normal, Step) {
         (false, is_diagonal) => f64::from(u8::from(is_diagonal)),
     });
     (matrix, scales)
+}
+
+/// Standard deviations of three of the numbers.
+fn deviations(covariance: &Normal, from: usize) -> DVec3 {
+    DVec3::from([0, 1, 2].map(|axis| covariance[(from + axis, from + axis)].sqrt()))
 }
 
 /// The step of Gauss and Newton. `None` where the readings do not determine the numbers.

@@ -59,7 +59,7 @@ mod starts;
 mod stiffness;
 
 pub use experiment::{ExperimentSettings, ExperimentStep, displacements, experiment};
-pub use head_locator::{HeadFit, HeadLocator, HeadLocatorError, HeadUnknowns};
+pub use head_locator::{HeadFit, HeadLocator, HeadLocatorError, HeadResolution, HeadUnknowns};
 pub use locator::{LocateError, Located, Locator};
 pub use noise::Noise;
 pub use polynomial::{DisplacementPolynomial, PolynomialError};

@@ -23,7 +23,8 @@ use crate::text::{header, rows};
 /// The noise of the readings is normal. It causes standard deviations of the displacement along x,
 /// y and z: by the exact field (the bound of Cramér and Rao; no unbiased estimate from one reading
 /// has smaller ones), and, with [ideal], by the closed form of the ideal film (Dai 2024, Eqs. 14
-/// and 15). The text has their root mean squares over the volume, and the largest. With -o, a table
+/// and 15). With a head, both are of the weighted sum, and a reading of each sensor gives others,
+/// with a known stray field and with one that is fitted. The text has their root mean squares over the volume, and the largest. With -o, a table
 /// of every point is written.
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  magsplice resolution layouts/published-film.toml --noise 5uT\n  \
@@ -31,8 +32,8 @@ use crate::text::{header, rows};
 pub(crate) struct ResolutionArgs {
     /// Layout file
     layout: PathBuf,
-    /// Standard deviation of a reading, such as 5uT, or of its x, y and z: 5uT,5uT,8uT [default:
-    /// the noise of [sensor] in the layout]
+    /// Standard deviation of a reading of each sensor, such as 5uT, or of its x, y and z:
+    /// 5uT,5uT,8uT [default: the noise of [sensor] in the layout]
     #[arg(long, value_name = "NOISE", value_parser = noise)]
     noise: Option<Noise>,
     /// File for a table of all points, complete or not at all
@@ -70,7 +71,8 @@ pub(crate) fn run(args: &ResolutionArgs, quiet: bool) -> Result<(), Failure> {
 pub(super) fn text(resolution: &FilmResolution) -> String {
     let DVec3 { x, y, z } = in_ut(resolution.noise.deviation_t);
     let axes = if x == y && y == z { micro(x) } else { format!("{}, {}, {}", micro(x), micro(y), micro(z)) };
-    let mut text = format!("noise of a reading: {axes} uT (standard deviation)\n");
+    let of = if resolution.by_sensors.is_some() { "the weighted sum" } else { "a reading" };
+    let mut text = format!("noise of {of}: {axes} uT (standard deviation)\n");
     if let Some(rate_hz) = resolution.rate_hz {
         let _ = writeln!(text, "readings a second: {rate_hz}; the mean of n has 1/sqrt(n) of the deviations below");
     }
@@ -89,6 +91,13 @@ pub(super) fn text(resolution: &FilmResolution) -> String {
     summary(&mut text, "by the field of the layout", resolution.summary(&resolution.by_field_mm));
     if let Some(closed) = &resolution.by_closed_form_mm {
         summary(&mut text, "by the closed form (Eq. 14)", resolution.summary(closed));
+    }
+    if let (Some(of), Some([least, tenth])) = (&resolution.by_sensors, resolution.least_singular_values_per_mm()) {
+        summary(&mut text, "by all sensors, in a known stray field", resolution.summary(&of.known_stray_mm));
+        summary(&mut text, "by all sensors, with the stray field fitted", resolution.summary(&of.fitted_stray_mm));
+        text += "least singular value of the readings over their noise, stray field fitted, 1/mm\n";
+        rows::cell(&mut text, "  least in the volume", &number(least));
+        rows::cell(&mut text, "  tenth percentile", &number(tenth));
     }
     text
 }

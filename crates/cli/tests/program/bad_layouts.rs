@@ -111,8 +111,7 @@ fn all_bad_tiles_are_listed() {
 fn overlapping_tiles_are_refused_with_names_and_depth() {
     let other = TILE.replace("\"a\"", "\"b\"").replace("[0, 0, 0]", "[0.75, 0, 0]");
     let touching = TILE.replace("\"a\"", "\"c\"").replace("[0, 0, 0]", "[0, 1, 0]");
-    let message =
-        "line 8: tile \"b\": overlaps tile \"a\" before it by 0.25 mm, must not overlap: move \"b\" that far along +x";
+    let message = "line 8: tile \"b\": overlaps tile \"a\" before it by 0.25 mm, must not overlap without overlap_mm: move \"b\" that far along +x";
     refused(&format!("{HEAD}{TILE}{other}{touching}"), &[message]);
     // Three digits, rounded up, of a depth with round-off and many digits.
     let deep = other.replace("0.75", "0.66666");
@@ -130,12 +129,11 @@ fn overlapping_images_are_told_of_the_tiles_in_the_file() {
     refused(
         &format!("{HEAD}{own}"),
         &[
-            "line 3: tile \"a\": overlaps its own mirror image by 0.6 mm, must not overlap: move \"a\" by 0.3 mm along +x",
+            "line 3: tile \"a\": overlaps its own mirror image by 0.6 mm, must not overlap without overlap_mm: move \"a\" by 0.3 mm along +x",
         ],
     );
     let pair = format!("{HEAD}{}{}", mirrored("\"a\"", "[2, 2, 0]"), mirrored("\"b\"", "[2.75, 2, 0]"));
-    let message =
-        "tile \"b\": overlaps tile \"a\" before it by 0.25 mm, must not overlap: move \"b\" that far along +x";
+    let message = "tile \"b\": overlaps tile \"a\" before it by 0.25 mm, must not overlap without overlap_mm: move \"b\" that far along +x";
     refused(&pair, &[message]);
     let sandbox = Sandbox::new();
     sandbox.write("t.toml", &pair);

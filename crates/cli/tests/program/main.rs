@@ -22,6 +22,7 @@ mod forces;
 mod formats;
 mod fuzz;
 mod fuzz_verbs;
+mod heads;
 mod help;
 mod hints;
 mod hostile;

@@ -472,3 +472,29 @@ fn measured_planes_are_drawn_beside_simulated_ones() {
         .refuses("scan.csv: --figures needs positions on a grid with equal steps");
     assert!(!sandbox.path("other").exists());
 }
+
+/// The lines of a scan turned by an angle about z, and those of the field.
+fn turned(lines: &[Vec<f64>], angle_deg: f64) -> Vec<Vec<f64>> {
+    let (sin, cos) = angle_deg.to_radians().sin_cos();
+    let turn = |x: f64, y: f64| [cos * x - sin * y, sin * x + cos * y];
+    let of = |row: &Vec<f64>| [&turn(row[0], row[1])[..], &[row[2]], &turn(row[3], row[4]), &[row[5]]].concat();
+    lines.iter().map(of).collect()
+}
+
+/// A film that lies turned on the stage. With errors of every tile the turn leaves their field,
+/// more than half of the residual, and the errors that are expected then explain it.
+#[test]
+fn films_turned_on_the_stage_are_named() {
+    let sandbox = Sandbox::new();
+    let film = sandbox.published_with("[sensor]\nnoise_ut = 5");
+    let names = "x_mm,y_mm,z_mm,bx_t,by_t,bz_t";
+    write(&sandbox, names, &turned(&field(&sandbox), 12.0));
+    let named = "if it was turned by 12.0 deg about z against the positions: turn the positions by -12.0 deg";
+    sandbox.run(&["scan", &film, "scan.csv"]).refuses(named);
+    sandbox.run(&["diagnose", &film, "--scan", "scan.csv"]).refuses(named);
+    let sample = ["tolerance", "sample", &film, "--preset", "by-hand", "--scan", "made.csv", "-o", "made.toml"];
+    assert_eq!(sandbox.run(&sample).status, 0);
+    write(&sandbox, names, &turned(&rows(&sandbox.read("made.csv")), 10.0));
+    let diagnose = ["diagnose", &film, "--scan", "scan.csv", "--preset", "by-hand"];
+    sandbox.run(&diagnose).refuses("deg about z against the positions: turn the positions by");
+}

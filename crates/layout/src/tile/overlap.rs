@@ -55,7 +55,7 @@ pub(crate) fn check(tiles: &[NamedTile], entries: &[Entry], allowed_mm: f64, fau
     }
     let rule = match allowed_mm > 0.0 {
         true => format!("must be at most overlap_mm = {allowed_mm}"),
-        false => "must not overlap".to_owned(),
+        false => "must not overlap without overlap_mm".to_owned(),
     };
     for (between, pair, [first, second]) in listed {
         let place = format!("tile \"{}\"", tiles[second.original].name);

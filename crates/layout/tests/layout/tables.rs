@@ -246,13 +246,13 @@ fn overlaps_of_images_are_told_of_the_tiles_in_the_file() {
     };
     // Over its own mirror. The least depth is along y, where a move does not help.
     let own = "position_mm = [1.2, 0, 0.5]\nsize_mm = [3, 0.2, 1]\nmirror = { axes = [\"x\"] }";
-    let wanted = "tile \"tile-1\": overlaps its own mirror image by 0.6 mm, must not overlap: move \"tile-1\" by 0.3 mm \
+    let wanted = "tile \"tile-1\": overlaps its own mirror image by 0.6 mm, must not overlap without overlap_mm: move \"tile-1\" by 0.3 mm \
                   along +x";
     assert!(told(&[own]).ends_with(wanted), "{}", told(&[own]));
     assert!(parse(&tile(&own.replace("1.2", "1.5"))).is_ok());
     let left = own.replace("1.2, 0", "-1.2, 1").replace("[\"x\"]", "[\"y\", \"x\"], at_mm = [0.2, 0, 0]");
     assert!(
-        told(&[&left]).ends_with("by 0.2 mm, must not overlap: move \"tile-1\" by 0.1 mm along -x"),
+        told(&[&left]).ends_with("by 0.2 mm, must not overlap without overlap_mm: move \"tile-1\" by 0.1 mm along -x"),
         "{}",
         told(&[&left])
     );
@@ -275,7 +275,7 @@ fn overlaps_of_images_are_told_of_the_tiles_in_the_file() {
     let image =
         told(&["position_mm = [-2, 2, 0]\nsize_mm = [1, 1, 1]", &format!("position_mm = [2.75, 2, 0]\n{mirror}")]);
     let wanted = "tile \"tile-2\": its image mirrored along x overlaps tile \"tile-1\" before it by 0.25 mm, must not \
-                  overlap: move \"tile-2\" that far along +x";
+                  overlap without overlap_mm: move \"tile-2\" that far along +x";
     assert!(image.ends_with(wanted), "{image}");
     let moved = format!("position_mm = [3, 2, 0]\n{mirror}");
     assert!(parse(&(tile("position_mm = [-2, 2, 0]\nsize_mm = [1, 1, 1]") + &tile(&moved))).is_ok());

@@ -102,7 +102,7 @@ pub use plan::FilmPlan;
 pub use point_decoupling::{FilmPointDecoupling, FilmPointEvaluation, Omitted};
 pub use polynomial::SensorPolynomial;
 pub use readings::{AtRest, FilmReadings};
-pub use resolution::{FilmResolution, ResolutionSummary};
+pub use resolution::{FilmResolution, ResolutionSummary, SensorsResolution};
 pub use sampled_scan::SampledScan;
 pub use samples::{FilmSampling, SampleRun, SampledFigure, SampledFilm, in_stretches};
 pub use scan::{ExcludedReadings, FilmScan, ScanUniformity};

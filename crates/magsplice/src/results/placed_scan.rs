@@ -1,10 +1,12 @@
 //! Whether the sensor of a scan was where it is stated, before errors of tiles are searched.
 
+use std::cell::OnceCell;
+
 use glam::DVec3;
 use magsplice_field::Scene;
 use magsplice_magnet::{Quantity, Tile};
 use magsplice_scan::{
-    FreeParameters, ScanError, ScanFit, ScanParameters, film_turn, fit_determined, fit_scan, suspect_strength,
+    FilmTurn, FreeParameters, ScanError, ScanFit, ScanParameters, film_turn, fit_determined, fit_scan, suspect_strength,
 };
 
 use super::placement::{FittedScan, SensorPlacement, is_across};
@@ -41,6 +43,8 @@ pub(super) struct PlacedScan<'a> {
     /// Whether errors of tiles are expected. Some leave large residuals, which another placement
     /// explains in part: it is then believed only where the diagnosis is rejected.
     expects_errors: bool,
+    /// The fit of this film, once it is needed.
+    determined: OnceCell<Option<ScanFit>>,
 }
 
 impl<'a> PlacedScan<'a> {
@@ -58,7 +62,9 @@ impl<'a> PlacedScan<'a> {
         expects_errors: bool,
     ) -> Result<PlacedScan<'a>, FilmError> {
         let (film, noise_squared) = (Scene::new(tiles), noise_t.length_squared() / 3.0);
-        let ordered = PlacedScan { tiles, film, points_mm, field_t, noise_squared, centre_mm, expects_errors };
+        let determined = OnceCell::new();
+        let ordered =
+            PlacedScan { tiles, film, points_mm, field_t, noise_squared, centre_mm, expects_errors, determined };
         ordered.with_suspects()
     }
 
@@ -77,10 +83,10 @@ impl<'a> PlacedScan<'a> {
             let changed = Tile::new(of.position(), of.size(), (1.0 + error) * of.polarization_t());
             let Ok(changed) = changed.and_then(|changed| changed.rotated(of.rotation())) else { break };
             tiles[index] = changed;
-            let before = std::mem::replace(&mut self.film, Scene::new(&tiles));
+            let before = (std::mem::replace(&mut self.film, Scene::new(&tiles)), std::mem::take(&mut self.determined));
             let left = self.excess()?;
             if left.unwrap_or(0.0) > EXPLAINED * excess.unwrap_or(f64::INFINITY) {
-                self.film = before;
+                (self.film, self.determined) = before;
                 break;
             }
             excess = left;
@@ -162,10 +168,15 @@ impl<'a> PlacedScan<'a> {
     pub(super) fn refuse_turned(&self) -> Result<(), FilmError> {
         let [_, reading_t] = self.medians(&ScanParameters::PERFECT)?;
         let residual_t = self.determined()?.map_or(HOPELESS * reading_t, |fit| fit.noise_t);
-        match film_turn(&self.film, self.points_mm, self.field_t, residual_t) {
+        match self.turn().filter(|turn| turn.explains(residual_t)) {
             Some(turn) => Err(FilmError::Scan(ScanError::Turned(turn))),
             None => Ok(()),
         }
+    }
+
+    /// The turn of the film against the positions that explains the scan best.
+    pub(super) fn turn(&self) -> Option<FilmTurn> {
+        film_turn(&self.film, self.points_mm, self.field_t)
     }
 
     fn placement(&self, fit: &ScanFit) -> SensorPlacement {
@@ -174,8 +185,12 @@ impl<'a> PlacedScan<'a> {
 
     /// The fit as a scan states it, with the strength held where errors of tiles look like it.
     fn determined(&self) -> Result<Option<ScanFit>, FilmError> {
+        if let Some(fit) = self.determined.get() {
+            return Ok(fit.clone());
+        }
         let fit = fit_determined(&self.film, self.points_mm, self.field_t, self.centre_mm);
-        in_stated_units(fit.map(|(fit, _)| fit))
+        let fit = in_stated_units(fit.map(|(fit, _)| fit))?;
+        Ok(self.determined.get_or_init(|| fit).clone())
     }
 
     /// The placement of the sensor that explains the scan, if it leaves much less than a residual.

@@ -2,8 +2,9 @@
 
 use glam::DVec3;
 use magsplice_decouple::{Branch, Parameters};
+use magsplice_head::SensorHead;
 use magsplice_layout::PartSetting;
-use magsplice_sensor::Noise;
+use magsplice_sensor::{HeadLocator, HeadResolution, HeadUnknowns, Noise, SensedField};
 use serde::Serialize;
 
 use super::source::Source;
@@ -46,6 +47,23 @@ pub struct FilmResolution {
     /// By the closed form. `None` without an ideal film.
     #[serde(skip)]
     pub by_closed_form_mm: Option<Vec<DVec3>>,
+    /// By the readings of all sensors of a head. `None` for one sensor.
+    #[serde(skip)]
+    pub by_sensors: Option<SensorsResolution>,
+}
+
+/// Standard deviations of displacements by one reading of each sensor of a head.
+#[derive(Clone, Debug)]
+pub struct SensorsResolution {
+    /// In a known stray field.
+    pub known_stray_mm: Vec<DVec3>,
+    /// With the stray field fitted to the same readings.
+    pub fitted_stray_mm: Vec<DVec3>,
+    /// Those of the fitted stray field.
+    pub stray_deviation_t: Vec<DVec3>,
+    /// Smallest singular value of the derivatives of the readings over their noise, without what a
+    /// stray field explains, in 1/mm.
+    pub least_singular_value_per_mm: Vec<f64>,
 }
 
 /// Standard deviations over all points where the reading is within the sensor's range.
@@ -83,7 +101,16 @@ impl Film {
     fn resolution_of(&self, places: Points, noise: Option<Noise>) -> Result<FilmResolution, FilmError> {
         let sensed = self.sensed_field(&self.volume()?.grid)?;
         let sensor = *sensed.sensor();
-        let noise = noise.or(Noise::of_sensor(&sensor)).ok_or(FilmError::NoNoise)?;
+        // The noise that is given is that of each sensor.
+        let head = self.head().map(|head| match noise {
+            Some(Noise { deviation_t }) => head.clone().with_noise(deviation_t),
+            None => head.clone(),
+        });
+        let noise = match &head {
+            Some(head) => Noise::of_sensor(&head.as_one()),
+            None => noise.or(Noise::of_sensor(&sensor)),
+        };
+        let noise = noise.ok_or(FilmError::NoNoise)?;
         self.tell(Stage::uncounted("resolution"));
         let points: Vec<DVec3> = places.iter().collect();
         let gradient = sensed.gradients(&points).map_err(FilmError::Points)?;
@@ -108,6 +135,7 @@ impl Film {
             }
             Err(_) => None,
         };
+        let by_sensors = head.map(|head| self.by_sensors(&head, &points)).transpose()?.flatten();
         Ok(FilmResolution {
             source: Source::of(self),
             points: points.len(),
@@ -118,7 +146,32 @@ impl Film {
             larger_range,
             by_field_mm,
             by_closed_form_mm,
+            by_sensors,
         })
+    }
+
+    /// The resolution by all sensors; `None` if they are too few for a stray field.
+    fn by_sensors(&self, head: &SensorHead, points: &[DVec3]) -> Result<Option<SensorsResolution>, FilmError> {
+        if 3 * head.elements.len() < HeadUnknowns::StrayField.count() {
+            return Ok(None);
+        }
+        let grid = self.volume()?.grid;
+        let of = |unknowns: HeadUnknowns| -> Result<Vec<Option<HeadResolution>>, FilmError> {
+            let sensed = SensedField::of_head(self.scene(), head, &grid).map_err(FilmError::Sensor)?;
+            let locator = HeadLocator::new(sensed, grid.clone(), unknowns).map_err(FilmError::of_head)?;
+            Ok(locator.resolution(points))
+        };
+        let (known, fitted) = (of(HeadUnknowns::Position)?, of(HeadUnknowns::StrayField)?);
+        let vectors = |of: &[Option<HeadResolution>], value: fn(&HeadResolution) -> DVec3| -> Vec<DVec3> {
+            of.iter().map(|of| of.as_ref().map_or(DVec3::INFINITY, value)).collect()
+        };
+        let singular = fitted.iter().map(|of| of.map_or(0.0, |of| of.least_singular_value));
+        Ok(Some(SensorsResolution {
+            known_stray_mm: vectors(&known, |of| of.position_deviation),
+            fitted_stray_mm: vectors(&fitted, |of| of.position_deviation),
+            stray_deviation_t: vectors(&fitted, |of| of.stray_deviation_t),
+            least_singular_value_per_mm: singular.collect(),
+        }))
     }
 }
 
@@ -134,7 +187,25 @@ impl FilmResolution {
                 .as_ref()
                 .map(|deviations| ColumnQuantity::of_vectors("closed_form_deviation_mm", by_closed_form, deviations)),
         );
+        if let Some(of) = &self.by_sensors {
+            let known = &["known_stray_x_mm", "known_stray_y_mm", "known_stray_z_mm"];
+            let fitted = &["fitted_stray_x_mm", "fitted_stray_y_mm", "fitted_stray_z_mm"];
+            let stray = &["stray_deviation_x_t", "stray_deviation_y_t", "stray_deviation_z_t"];
+            columns.push(ColumnQuantity::of_vectors("known_stray_mm", known, &of.known_stray_mm));
+            columns.push(ColumnQuantity::of_vectors("fitted_stray_mm", fitted, &of.fitted_stray_mm));
+            columns.push(ColumnQuantity::of_vectors("stray_deviation_t", stray, &of.stray_deviation_t));
+            let singular = of.least_singular_value_per_mm.iter().copied();
+            columns.push(ColumnQuantity::of_numbers(&["least_singular_value_per_mm"], singular));
+        }
         Table::new(self.places.clone(), columns, self.source.metadata())
+    }
+
+    /// Smallest singular value at the point where it is least and at the tenth percentile of the
+    /// points, in 1/mm. `None` for one sensor.
+    pub fn least_singular_values_per_mm(&self) -> Option<[f64; 2]> {
+        let mut sorted = self.by_sensors.as_ref()?.least_singular_value_per_mm.clone();
+        sorted.sort_by(f64::total_cmp);
+        Some([*sorted.first()?, *sorted.get(sorted.len() / 10)?])
     }
 
     /// Summary of deviations at the points. `None` if nothing is seen.

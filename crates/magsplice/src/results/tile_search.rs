@@ -5,7 +5,8 @@ use glam::DVec3;
 use magsplice_layout::{FilmTolerance, Preset};
 use magsplice_magnet::Tile;
 use magsplice_scan::{
-    Diagnosis, DiagnosisError, DiagnosisSettings, FieldScan, FreeParameters, MOST_ERRORS, ScanDiagnosis, ScanParameters,
+    Diagnosis, DiagnosisError, DiagnosisSettings, FieldScan, FreeParameters, MOST_ERRORS, ScanDiagnosis, ScanError,
+    ScanParameters,
 };
 
 use super::likelier_errors::{MOST_SINGLE_ERRORS, likelier_preset};
@@ -43,11 +44,8 @@ impl TileSearch<'_> {
     /// # Errors
     /// As [`Film::diagnose`].
     pub(super) fn run(&self) -> Result<Searched, FilmError> {
-        let expects_errors = *self.expected != FilmTolerance::default();
         self.film.tell(Stage::uncounted("fitting the place of the scan"));
-        let centre_mm = self.film.centre_mm();
-        let placed =
-            PlacedScan::new(self.tiles, self.points_mm, self.field_t, self.noise_t, centre_mm, expects_errors)?;
+        let placed = self.placed()?;
         let start = placed.start(self.free)?;
         let searched =
             |expected: FilmTolerance, most_errors: usize| self.diagnosed(start, self.free, expected, most_errors);
@@ -57,6 +55,7 @@ impl TileSearch<'_> {
         // Errors of tiles bend to a scan taken otherwise, or to other errors of every tile.
         if !diagnosis.is_complete || diagnosis.detected.len() > 1 || !self.is_possible(&diagnosis) {
             placed.refuse_turned()?;
+            self.refuse_turned(&placed, &diagnosis)?;
         }
         if !diagnosis.is_complete {
             explained_by = self.explained_by(&placed, MOST_SINGLE_ERRORS / 2)?;
@@ -110,6 +109,35 @@ impl TileSearch<'_> {
         let mut diagnosis = model.diagnose(self.field_t, show).map_err(failed)?;
         diagnosis.scan.start += start.start;
         Ok(diagnosis)
+    }
+
+    /// # Errors
+    /// [`FilmError::Scan`] if less than half as many errors of tiles explain the scan of a film that
+    /// was turned against the positions. Errors of every tile leave so much that the turn alone
+    /// does not.
+    fn refuse_turned(&self, placed: &PlacedScan, diagnosis: &Diagnosis) -> Result<(), FilmError> {
+        let Some(turn) = placed.turn() else { return Ok(()) };
+        let (points_mm, field_t) = turn.undone(self.points_mm, self.field_t);
+        let turned = TileSearch { points_mm: &points_mm, field_t: &field_t, ..*self };
+        let start = turned.placed()?.start(self.free);
+        let most_errors = match self.is_possible(diagnosis) {
+            true => diagnosis.detected.len().saturating_sub(1) / 2,
+            false => MOST_SINGLE_ERRORS,
+        };
+        let found = start.and_then(|start| turned.diagnosed(start, self.free, self.expected.clone(), most_errors));
+        match found {
+            Ok(found) if found.is_complete && turned.is_possible(&found) => {
+                Err(FilmError::Scan(ScanError::Turned(turn)))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The scan before errors of tiles are searched.
+    fn placed(&self) -> Result<PlacedScan<'_>, FilmError> {
+        let expects_errors = *self.expected != FilmTolerance::default();
+        let (centre_mm, noise_t) = (self.film.centre_mm(), self.noise_t);
+        PlacedScan::new(self.tiles, self.points_mm, self.field_t, noise_t, centre_mm, expects_errors)
     }
 
     /// Whether noise, errors that tiles can have, and a strength of this film explain a scan.

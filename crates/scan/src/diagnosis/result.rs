@@ -126,18 +126,16 @@ impl Diagnosis {
     /// tile of twice its strength to three times the ordered strength, each beside its deviation.
     pub fn has_possible_errors(&self, tiles: &[Tile]) -> bool {
         self.detected.iter().all(|detected| {
-            let (least, largest) = match detected.candidate.kind {
-                ErrorKind::Strength => STRENGTH_ERRORS.into_inner(),
-                ErrorKind::Turn | ErrorKind::Direction => (-PI, PI),
+            let possible = match detected.candidate.kind {
+                ErrorKind::Strength => STRENGTH_ERRORS,
+                ErrorKind::Turn | ErrorKind::Direction => -PI..=PI,
                 ErrorKind::Displacement => {
                     let side = tiles[detected.candidate.tile].size().max_element();
-                    (-side, side)
+                    -side..=side
                 }
             };
-            detected.components.iter().all(|of| {
-                let beside = SIGNIFICANT * of.deviation;
-                (least - beside..=largest + beside).contains(&of.value)
-            })
+            let beside = SIGNIFICANT * detected.magnitude_deviation();
+            (possible.start() - beside..=possible.end() + beside).contains(&detected.magnitude())
         })
     }
 

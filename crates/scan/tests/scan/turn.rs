@@ -12,9 +12,6 @@ use rand_chacha::ChaCha8Rng;
 use crate::diagnosis::{film, points};
 use crate::noisy::readings;
 
-/// The residual of these scans without a turn is of the size of the readings.
-const UNEXPLAINED_T: f64 = 5e-3;
-
 /// The readings of a turned film in a stray field.
 fn turned_t(angle_deg: f64) -> Vec<DVec3> {
     let turn = DMat3::from_rotation_z(angle_deg.to_radians());
@@ -27,8 +24,13 @@ fn turned_t(angle_deg: f64) -> Vec<DVec3> {
 #[test]
 fn turn_of_a_film_is_found() {
     for angle_deg in [-41.3, 0.9, 20.0] {
-        let found = film_turn(&Scene::new(&film()), &points(), &turned_t(angle_deg), UNEXPLAINED_T).unwrap();
+        let found = film_turn(&Scene::new(&film()), &points(), &turned_t(angle_deg)).unwrap();
         assert!((found.angle_deg - angle_deg).abs() < 0.02, "{angle_deg}: {found:?}");
+        let (places, fields_t) = found.undone(&points(), &turned_t(angle_deg));
+        let ordered_t = Scene::new(&film()).field_at(Quantity::FluxDensity, &places).unwrap();
+        // Round-off of the angle: 0.02 degrees at 10 mm times 1e-2 T/mm, beside the stray field.
+        let worst = fields_t.iter().zip(ordered_t).map(|(a, b)| (*a - b).length()).fold(0.0, f64::max);
+        assert!(worst < 2e-4, "{angle_deg}: {worst}");
     }
 }
 
@@ -43,6 +45,7 @@ fn errors_of_tiles_are_no_turn() {
         let ordered_t = Scene::new(&film()).field_at(Quantity::FluxDensity, &points()).unwrap();
         let squares: f64 = readings_t.iter().zip(ordered_t).map(|(a, b)| (*a - b).length_squared()).sum();
         let residual_t = (squares / (3 * readings_t.len()) as f64).sqrt();
-        assert_eq!(film_turn(&Scene::new(&film()), &points(), &readings_t, residual_t), None, "{seed}");
+        let found = film_turn(&Scene::new(&film()), &points(), &readings_t);
+        assert!(found.is_none_or(|turn| turn.residual_t > 0.9 * residual_t), "{seed}: {found:?}");
     }
 }

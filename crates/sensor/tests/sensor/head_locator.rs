@@ -63,6 +63,11 @@ fn readings_without_noise_are_inverted() {
             assert!((fit.stray_t - stray_t).length() < 1e-12, "{stray_t}: {fit:?}");
             assert!(fit.is_within && fit.rotation_rad == DVec3::ZERO);
         }
+        // The search begins at the answer, but for the stray field.
+        let at = DVec3::new(0.0, 0.5, -4.0);
+        let readings_t = readings_t(&scene, &head, at, DVec3::splat(1e-5), DQuat::IDENTITY);
+        let fit = locator.with_deviation(NOISE_T).locate(&readings_t).remove(0).unwrap();
+        assert!((fit.position - at).length() < 1e-9 && fit.chi_squared < 1e-9, "{fit:?}");
     }
 }
 
