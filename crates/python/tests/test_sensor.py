@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from conftest import LAYOUTS
 
 import magsplice
 
@@ -47,6 +48,41 @@ def test_resolution_is_noise_over_the_gradient(published):
     assert published.resolution(noise_t=(5e-6, 5e-6, 1e-5)).shape == (9, 9, 5, 3)
     with pytest.raises(ValueError, match="give noise_t in tesla"):
         published.resolution()
+
+
+def test_all_sensors_of_a_head_give_positions_and_stray_fields(published):
+    head = magsplice.load(LAYOUTS / "heads" / "published-cross.toml")
+    places = np.array([[0, 0, 0], [-5, -5, 0], [5, -5, 0], [-5, 5, 0], [5, 5, 0]])
+    rng = np.random.default_rng(7)
+    points = rng.uniform((-1.5, -1.5, -4.8), (1.5, 1.5, -3.2), (4, 2, 3))
+    stray_t = np.array([3e-5, -2e-5, 4e-5])
+    readings_t = published.b(points[..., None, :] + places) + stray_t
+    read = head.read(readings_t, fit="stray-field")
+    moved = points - np.array(published.reference_mm)
+    np.testing.assert_allclose(read.displacement_mm, moved, atol=1e-9)
+    np.testing.assert_allclose(read.stray_t, np.broadcast_to(stray_t, (4, 2, 3)), atol=1e-12)
+    assert read.status.tolist() == [[0, 0]] * 4
+    assert read.chi_squared_over_freedom.shape == (4, 2)
+    assert read.rotation_deg is None
+    assert (read.deviation_mm > 0).all()
+    assert "stray_x_t" in read.columns()
+    pose = head.read(readings_t[0, 0], fit="pose")
+    np.testing.assert_allclose(pose.rotation_deg, 0, atol=1e-7)
+    assert pose.status.shape == ()
+    # The weighted sums reject the stray field.
+    weights = np.array([0.5, -0.125, -0.125, -0.125, -0.125])
+    sums = head.read((weights[:, None] * readings_t).sum(axis=-2))
+    np.testing.assert_allclose(sums.displacement_mm, moved, atol=1e-9)
+    assert sums.stray_t is None
+    with pytest.raises(magsplice.MagspliceError, match="the head has 5 sensors, and there are 4"):
+        head.read(readings_t[..., :4, :], fit="pose")
+    with pytest.raises(magsplice.MagspliceError, match="need head or"):
+        published.read(readings_t, fit="position")
+    with pytest.raises(ValueError, match="must be position, stray-field or pose"):
+        head.read(readings_t, fit="all")
+    readings_t[..., 3, 0] += 3e-4
+    with pytest.warns(magsplice.MeasurementWarning, match="without sensor 4"):
+        assert (head.read(readings_t, fit="stray-field").status == 6).all()
 
 
 #: Readings in tesla: two of a sensor at rest, one in the volume, one 0.05 mm outside it.

@@ -5,18 +5,13 @@ use magsplice_field::Scene;
 use magsplice_magnet::{Grid, PointErrors, Quantity};
 use nalgebra::{SMatrix, SVector};
 use rayon::prelude::*;
-use statrs::distribution::{ChiSquared, ContinuousCDF};
 use thiserror::Error;
 
 use crate::descent::{Region, SAME_FIELD};
+use crate::head_fit::{HeadFit, HeadResolution, HeadUnknowns};
 use crate::locator::{APART, LocateError, Locator, ON_SURFACE};
+use crate::normal_equations::{MOST, Normal, Step, covariance, deviations, part, step};
 use crate::sensed_field::{Part, SensedField};
-
-/// Most numbers that are fitted, in this order: position, stray field, rotation.
-const MOST: usize = 9;
-
-type Normal = SMatrix<f64, MOST, MOST>;
-type Step = SVector<f64, MOST>;
 
 /// Largest number of steps of one search. Convergence takes five; a halved step takes one more.
 const MOST_STEPS: usize = 60;
@@ -36,50 +31,12 @@ const LONGEST_STEP: f64 = 0.25;
 /// Longest step of the rotation, in radians.
 const LONGEST_TURN: f64 = 0.2;
 
-/// Smallest eigenvalue of the normal matrix, scaled to a diagonal of 1, from which on the readings
-/// determine the numbers. Round-off of the products is 1e-15.
-const DETERMINED: f64 = 1e-11;
-
 /// Rise of chi squared up to which a second position explains the readings as well: less than one
 /// in 10 000 right positions is so much worse than a wrong one.
 const ALIKE: f64 = 16.0;
 
 /// Number of readings processed at a time, which bounds the memory.
 const BATCH: usize = 1 << 12;
-
-/// What is fitted to the readings of a head.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Deserialize, serde::Serialize), serde(rename_all = "kebab-case"))]
-#[non_exhaustive]
-pub enum HeadUnknowns {
-    /// The position.
-    Position,
-    /// The position, and a uniform field beside that of the film along the axes of the board.
-    StrayField,
-    /// The same, and the rotation of the board against the film: two tilts and a turn.
-    Pose,
-}
-
-impl HeadUnknowns {
-    /// Number of fitted numbers.
-    pub const fn count(self) -> usize {
-        match self {
-            HeadUnknowns::Position => 3,
-            HeadUnknowns::StrayField => 6,
-            HeadUnknowns::Pose => MOST,
-        }
-    }
-
-    /// Whether a stray field is fitted.
-    pub const fn has_stray_field(self) -> bool {
-        !matches!(self, HeadUnknowns::Position)
-    }
-
-    /// Whether the rotation is fitted.
-    pub const fn has_rotation(self) -> bool {
-        matches!(self, HeadUnknowns::Pose)
-    }
-}
 
 /// The reason why a head cannot be located.
 #[derive(Clone, Debug, Error, PartialEq)]
@@ -96,74 +53,6 @@ pub enum HeadLocatorError {
     /// Points of the volume have no field.
     #[error("{0}")]
     Points(PointErrors),
-}
-
-/// The least-squares fit of the readings of a head.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-pub struct HeadFit {
-    /// The position of the origin of the board, in the frame and the unit of length of the tiles.
-    pub position: DVec3,
-    /// Whether it is in the volume.
-    pub is_within: bool,
-    /// Gradient of the weighted sum there: column j is the derivative along x_j.
-    pub gradient: DMat3,
-    /// The stray field along the axes of the board, in tesla; 0 unless it is fitted.
-    pub stray_t: DVec3,
-    /// The rotation vector of the board against the film; 0 unless it is fitted.
-    pub rotation_rad: DVec3,
-    /// Standard deviations of the position for the noise of the sensors. Without noise, those for a
-    /// noise of 1 T.
-    pub position_deviation: DVec3,
-    /// Those of the stray field, in tesla.
-    pub stray_deviation_t: DVec3,
-    /// Those of the rotation.
-    pub rotation_deviation_rad: DVec3,
-    /// Sum of the squares of the residuals over the noise.
-    pub chi_squared: f64,
-    /// Its expectation for normal noise: the readings less the fitted numbers.
-    pub degrees_of_freedom: usize,
-    /// The sensor without which chi squared is least.
-    pub suspect: usize,
-    /// Chi squared without that sensor, which has three degrees of freedom less. `None` if the
-    /// others do not determine the numbers.
-    pub chi_squared_without: Option<f64>,
-}
-
-impl HeadFit {
-    /// Probability of as large a residual of a right model with normal noise. `None` without
-    /// degrees of freedom.
-    pub fn probability(&self) -> Option<f64> {
-        probability(self.chi_squared, self.degrees_of_freedom)
-    }
-
-    /// The sensor without which the residual is noise, where the residual of all is not: each by
-    /// its probability of a larger chi squared.
-    pub fn contradicting_sensor(&self, false_alarm: f64) -> Option<usize> {
-        let is_noise = |probability: Option<f64>| probability.is_some_and(|of| of >= false_alarm);
-        let without = probability(self.chi_squared_without?, self.degrees_of_freedom.checked_sub(3)?);
-        (!is_noise(self.probability()) && is_noise(without)).then_some(self.suspect)
-    }
-}
-
-/// What the noise of all sensors lets a head see at a position: the Fisher information of one
-/// reading of each, with the other unknowns fitted.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-pub struct HeadResolution {
-    /// Standard deviations of the position, in the unit of length of the tiles.
-    pub position_deviation: DVec3,
-    /// Those of the stray field, in tesla; 0 unless it is fitted.
-    pub stray_deviation_t: DVec3,
-    /// Smallest singular value of the derivatives of the readings over their noise by the position,
-    /// without the parts that other unknowns explain: the reading in units of its noise for a
-    /// displacement of 1 along the least visible direction.
-    pub least_singular_value: f64,
-}
-
-/// The probability of a larger chi squared. `None` without degrees of freedom.
-fn probability(chi_squared: f64, freedom: usize) -> Option<f64> {
-    Some(ChiSquared::new(freedom as f64).ok()?.sf(chi_squared))
 }
 
 /// Finds the positions of a head in a volume from the readings of its sensors.
@@ -525,7 +414,7 @@ impl Search<'_> {
             Some((_, best)) => compared.chi_squared < best.chi_squared,
         };
         if is_better {
-            let Some(step) = step(&compared, *unknowns) else {
+            let Some(step) = step(&compared.normal, &compared.right, *unknowns) else {
                 self.best = None;
                 return true;
             };
@@ -553,47 +442,4 @@ impl Search<'_> {
         }
         is_short
     }
-}
-
-/// Three of the numbers.
-fn part(step: &Step, from: usize) -> DVec3 {
-    DVec3::new(step[from], step[from + 1], step[from + 2])
-}
-
-/// The normal matrix scaled to a diagonal of 1, with 1 for numbers that are not fitted, and the
-/// scales.
-fn scaled(normal: &Normal, unknowns: HeadUnknowns) -> (Normal, Step) {
-    let free = unknowns.count();
-    let scales = Step::from_fn(|row, _| if row < free { normal[(row, row)].sqrt() } else { 1.0 });
-    let matrix = Normal::from_fn(|row, column| match (row.max(column) < free, row == column) {
-        (true, _) => normal[(row, column)] / (scales[row] * scales[column]),
-        (false, is_diagonal) => f64::from(u8::from(is_diagonal)),
-    });
-    (matrix, scales)
-}
-
-/// Standard deviations of three of the numbers.
-fn deviations(covariance: &Normal, from: usize) -> DVec3 {
-    DVec3::from([0, 1, 2].map(|axis| covariance[(from + axis, from + axis)].sqrt()))
-}
-
-/// The step of Gauss and Newton. `None` where the readings do not determine the numbers.
-fn step(compared: &Compared, unknowns: HeadUnknowns) -> Option<Step> {
-    let (matrix, scales) = scaled(&compared.normal, unknowns);
-    let solved = matrix.cholesky()?.solve(&compared.right.component_div(&scales));
-    Some(solved.component_div(&scales))
-}
-
-/// The covariance of the numbers; 0 for those that are not fitted. `None` where the readings do not
-/// determine them.
-fn covariance(normal: &Normal, unknowns: HeadUnknowns) -> Option<Normal> {
-    let (matrix, scales) = scaled(normal, unknowns);
-    if matrix.symmetric_eigenvalues().min() < DETERMINED {
-        return None;
-    }
-    let inverse = matrix.cholesky()?.inverse();
-    Some(Normal::from_fn(|row, column| match row.max(column) < unknowns.count() {
-        true => inverse[(row, column)] / (scales[row] * scales[column]),
-        false => 0.0,
-    }))
 }

@@ -41,12 +41,16 @@
 mod descent;
 /// Readings of a sensor below a moving film.
 mod experiment;
+/// What the readings of all sensors of a head tell.
+mod head_fit;
 /// Positions from the readings of all sensors of a head.
 mod head_locator;
 /// Positions from readings.
 mod locator;
 /// Standard deviations of positions.
 mod noise;
+/// The normal equations of the fit of a head.
+mod normal_equations;
 /// Positions as polynomials of the parameters.
 mod polynomial;
 /// The mean of readings at rest.
@@ -59,7 +63,8 @@ mod starts;
 mod stiffness;
 
 pub use experiment::{ExperimentSettings, ExperimentStep, displacements, experiment};
-pub use head_locator::{HeadFit, HeadLocator, HeadLocatorError, HeadResolution, HeadUnknowns};
+pub use head_fit::{HeadFit, HeadResolution, HeadUnknowns};
+pub use head_locator::{HeadLocator, HeadLocatorError};
 pub use locator::{LocateError, Located, Locator};
 pub use noise::Noise;
 pub use polynomial::{DisplacementPolynomial, PolynomialError};

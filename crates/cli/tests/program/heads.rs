@@ -100,3 +100,28 @@ fn readings_that_do_not_suit_the_head_are_refused() {
     let scan = sandbox.run(&["scan", &cross, "readings.csv"]);
     assert!(scan.status != 0 && scan.stderr.contains("needs the readings of one sensor"), "{}", scan.stderr);
 }
+
+/// Six numbers determine position and stray field of a pair exactly, by the difference of the
+/// readings alone, as the weighted sum does. More sensors tell more, and a known stray field too.
+#[test]
+fn all_sensors_resolve_as_much_as_the_sum_or_more() {
+    let sandbox = Sandbox::new();
+    for name in ["heads/published-pair-z", "heads/published-cross"] {
+        let said = sandbox.run(&["resolution", &shipped(name), "-o", "points.csv"]);
+        assert_eq!((said.status, said.stderr.as_str()), (0, ""));
+        assert!(said.stdout.contains("by all sensors, with the stray field fitted"), "{}", said.stdout);
+        let table = sandbox.read("points.csv");
+        for axis in ["x", "y", "z"] {
+            let [sum, known, fitted] =
+                ["deviation", "known_stray", "fitted_stray"].map(|of| column(&table, &format!("{of}_{axis}_mm")));
+            for ((sum, known), fitted) in sum.iter().zip(known).zip(fitted) {
+                assert!(known < fitted && fitted < sum * (1.0 + 1e-9), "{name}: {known}, {fitted}, {sum}");
+                assert!(name.ends_with("cross") || fitted > sum * (1.0 - 1e-9), "{name}: {fitted}, {sum}");
+            }
+        }
+        // The least visible direction is seen less than any axis.
+        let singular = column(&table, "least_singular_value_per_mm");
+        let deviation = column(&table, "fitted_stray_z_mm");
+        assert!(singular.iter().zip(deviation).all(|(of, mm)| *of > 0.0 && of * mm < 1.0 + 1e-9), "{name}");
+    }
+}
