@@ -40,6 +40,14 @@ impl SensorHead {
         HeadForm::new(&places, &weights, wavenumber)
     }
 
+    /// The weighted sum of a field at the places of the sensors, of a head at a position.
+    ///
+    /// # Errors
+    /// The first error of the field at a place.
+    pub fn seen<E>(&self, position: DVec3, field: impl Fn(DVec3) -> Result<DVec3, E>) -> Result<DVec3, E> {
+        self.elements.iter().try_fold(DVec3::ZERO, |sum, of| Ok(sum + of.weight * field(position + of.place)?))
+    }
+
     /// Standard deviation of the weighted sum of one corrected reading of each sensor, along each
     /// axis of the film.
     pub fn deviation_t(&self) -> DVec3 {

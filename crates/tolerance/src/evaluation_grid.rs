@@ -65,9 +65,6 @@ pub enum SampleError {
         /// The point.
         point: DVec3,
     },
-    /// The errors of a head are not evaluated to first order.
-    #[error("the errors of a head are evaluated by samples, not to first order: leave out head or [[sensor.element]]")]
-    Head,
     /// The derivatives of the field of a tile do not exist at a point of the volume.
     #[error(
         "the field of tile {tile} has no derivatives at the point ({}, {}, {}) mm of the working volume",

@@ -55,8 +55,8 @@ pub use endless::{EndlessPattern, EndlessPatternError};
 pub use evaluation_grid::{EvaluationGrid, SampleError};
 pub use film_sample::FilmSample;
 pub use first_order::{
-    AxisCheck, AxisErrors, Cause, Contribution, ErrorSource, ErrorTerm, FirstOrder, FirstOrderCheck, Share,
-    TileChanges, TileResponse,
+    AxisCheck, AxisErrors, Cause, Contribution, ErrorSource, ErrorTerm, FirstOrder, FirstOrderCheck, SensorError,
+    Share, TileChanges, TileResponse,
 };
 pub use low_rank::LowRank;
 pub use quantile::mean_square;

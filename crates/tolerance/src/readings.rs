@@ -113,24 +113,15 @@ impl Surroundings {
         }
     }
 
-    /// Number of errors in [`Surroundings::values`].
-    pub(crate) const ERRORS: usize = 22;
-
     /// The values of the errors: three each of position and rotation of the film, three of the
     /// stray field, the relative change of all strengths, and three each of offset, rotation,
-    /// gain and position of the first sensor.
-    pub(crate) fn values(&self) -> [f64; Surroundings::ERRORS] {
-        let vectors = [self.pose.shift, self.pose.turn.to_scaled_axis(), self.stray_field_t];
-        let chip = &self.chips[0];
-        let of_sensor = [chip.offset_t, chip.turn.to_scaled_axis(), chip.gain - DVec3::ONE, chip.shift_mm];
-        let mut values = [self.warming; Surroundings::ERRORS];
-        for (number, vector) in vectors.into_iter().enumerate() {
-            values[3 * number..][..3].copy_from_slice(&vector.to_array());
-        }
-        for (number, vector) in of_sensor.into_iter().enumerate() {
-            values[10 + 3 * number..][..3].copy_from_slice(&vector.to_array());
-        }
-        values
+    /// gain and position of each sensor.
+    pub(crate) fn values(&self) -> Vec<f64> {
+        let of_film = [self.pose.shift, self.pose.turn.to_scaled_axis(), self.stray_field_t];
+        let of_chip =
+            |chip: &ChipErrors| [chip.offset_t, chip.turn.to_scaled_axis(), chip.gain - DVec3::ONE, chip.shift_mm];
+        let of_film = of_film.into_iter().flat_map(|vector| vector.to_array()).chain([self.warming]);
+        of_film.chain(self.chips.iter().flat_map(of_chip).flat_map(|vector| vector.to_array())).collect()
     }
 
     /// The strength of all tiles after the reading at the reference point, relative to the strength

@@ -69,11 +69,6 @@ impl RealFilm {
         RealFilm { head, ..self }
     }
 
-    /// Whether a head reads it.
-    pub(crate) fn has_head(&self) -> bool {
-        self.head.is_some()
-    }
-
     /// Places and weights of the sensors.
     pub(crate) fn chips(&self) -> Vec<(DVec3, DVec3)> {
         let of_head = |head: &SensorHead| head.elements.iter().map(|of| (of.place, of.weight)).collect();
@@ -244,6 +239,16 @@ impl RealFilm {
     /// The pose of the film, other fields and the errors of the sensor in a sample.
     pub(crate) fn draw_surroundings(&self, draws: &mut Draws) -> Surroundings {
         Surroundings::draw(&self.tolerance.common, self.centre_mm, self.chips().len(), draws)
+    }
+
+    /// The noise of reading number `reading` in a sample: of a head, that of the weighted sum.
+    pub(crate) fn draw_noise_t(&self, draws: &mut Draws, reading: usize) -> DVec3 {
+        let chips = self.chips();
+        let noise = &self.tolerance.common.sensor.noise_t;
+        let of_chip = |(number, (_, weight)): (usize, &(DVec3, DVec3))| {
+            *weight * draws.noise_t(reading * chips.len() + number, noise)
+        };
+        chips.iter().enumerate().map(of_chip).sum()
     }
 }
 

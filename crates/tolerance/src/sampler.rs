@@ -136,14 +136,29 @@ impl<'a> Sampler<'a> {
         &self.points
     }
 
-    /// The field of the film without errors at each point.
-    pub(crate) fn film_t(&self) -> Result<Vec<DVec3>, SampleError> {
-        film_field_t(self.film, self.film.tiles(), &self.points, self.chips[0].remainder_t.iter().map(|(b_t, _)| b_t))
+    /// The place of the first sensor at each point, then that of each other one.
+    pub(crate) fn places(&self) -> Vec<DVec3> {
+        self.chips.iter().flat_map(|chip| self.points.iter().map(|point| *point + chip.place)).collect()
     }
 
-    /// The field of the neighbour at each point.
-    pub(crate) fn neighbour_t(&self) -> &[DVec3] {
-        &self.chips[0].neighbour_t
+    /// The field of the film without errors at each place.
+    pub(crate) fn film_t(&self) -> Result<Vec<DVec3>, SampleError> {
+        let remainder_t = self.chips.iter().flat_map(|chip| &chip.remainder_t).map(|(b_t, _)| b_t);
+        film_field_t(self.film, self.film.tiles(), &self.places(), remainder_t)
+    }
+
+    /// The field of the neighbour at each place.
+    pub(crate) fn neighbour_t(&self) -> impl Iterator<Item = &DVec3> {
+        self.chips.iter().flat_map(|chip| &chip.neighbour_t)
+    }
+
+    /// The weighted sum at each point of values at each place.
+    pub(crate) fn sum_t(&self, at_places_t: &[DVec3]) -> Vec<DVec3> {
+        let mut sums_t = vec![DVec3::ZERO; self.points.len()];
+        for (chip, read_t) in self.chips.iter().zip(at_places_t.chunks_exact(self.points.len())) {
+            sums_t.iter_mut().zip(read_t).for_each(|(sum, b_t)| *sum += chip.weight * *b_t);
+        }
+        sums_t
     }
 
     /// The film whose samples it draws.

@@ -90,7 +90,10 @@ impl Film {
         };
         let in_film = real.in_film(real.tiles()).map_err(|faults| of_sample((0, SampleError::Tile(faults))))?;
         let pattern: Result<Figures, EndlessPatternError> =
-            EndlessPattern::new(&in_film, ideal).and_then(|pattern| pattern.errors(&volume));
+            EndlessPattern::new(&in_film, ideal).and_then(|pattern| match self.head() {
+                Some(head) => pattern.errors_of_head(&volume, head),
+                None => pattern.errors(&volume),
+            });
         let model = FirstOrder::new(&real, &volume, ideal).map_err(|error| of_sample((0, error)))?;
         let sampler = Sampler::new(&real, &volume, ideal, seed).map_err(|error| of_sample((0, error)))?;
         let counted = self.counting("budget", None, "samples");

@@ -2,8 +2,9 @@
 
 use glam::{DVec2, DVec3};
 use magsplice_decouple::Figures;
+use magsplice_head::SensorHead;
 use magsplice_ideal::IdealFilm;
-use magsplice_magnet::Tile;
+use magsplice_magnet::{HallSensor, Tile};
 use rayon::prelude::*;
 use thiserror::Error;
 
@@ -161,8 +162,21 @@ impl EndlessPattern {
     /// # Errors
     /// As [`EndlessPattern::flux_density_t`], and if the parameters do not exist in the volume.
     pub fn errors(&self, volume: &EvaluationGrid) -> Result<Figures, EndlessPatternError> {
+        self.errors_of_head(volume, &SensorHead::from(HallSensor::default()))
+    }
+
+    /// [`EndlessPattern::errors`] of the weighted sum of the sensors of a head.
+    ///
+    /// # Errors
+    /// As [`EndlessPattern::errors`].
+    pub fn errors_of_head(&self, volume: &EvaluationGrid, head: &SensorHead) -> Result<Figures, EndlessPatternError> {
         let points: Vec<DVec3> = volume.grid.points().chain([volume.reference]).collect();
-        let field_t = self.flux_density_t(&points)?;
+        let mut field_t = vec![DVec3::ZERO; points.len()];
+        for of in &head.elements {
+            let places: Vec<DVec3> = points.iter().map(|point| *point + of.place).collect();
+            let read_t = self.flux_density_t(&places)?;
+            field_t.iter_mut().zip(read_t).for_each(|(sum, b_t)| *sum += of.weight * b_t);
+        }
         let last = points.len() - 1;
         volume.figures(&field_t[..last], field_t[last], &self.ideal).map_err(EndlessPatternError::NoErrors)
     }

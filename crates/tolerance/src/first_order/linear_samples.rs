@@ -22,8 +22,8 @@ impl FirstOrder {
         let mut errors_mm = self.mean_mm.clone();
         self.varying.add_combination(deviates, &mut errors_mm);
         if self.has_noise() {
-            let noise = &self.film.tolerance().common.sensor.noise_t;
-            let changes_t: Vec<_> = (0..self.points).map(|reading| draws.noise_t(reading, noise)).collect();
+            let changes_t: Vec<_> =
+                (0..self.points).map(|reading| self.film.draw_noise_t(&mut draws, reading)).collect();
             for (axis, errors_mm) in errors_mm.chunks_exact_mut(self.points).enumerate() {
                 for ((error, row), change_t) in errors_mm.iter_mut().zip(self.displacement.rows()).zip(&changes_t) {
                     *error += row[axis].dot(*change_t - self.noise_mean_t);

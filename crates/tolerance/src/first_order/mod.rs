@@ -21,7 +21,7 @@ mod tile_response;
 pub use axis_errors::{AxisErrors, Contribution, Share};
 pub use check::{AxisCheck, FirstOrderCheck};
 pub use model::{ErrorTerm, FirstOrder};
-pub use sources::{Cause, ErrorSource};
+pub use sources::{Cause, ErrorSource, SensorError};
 pub use tile_changes::TileChanges;
 pub use tile_response::TileResponse;
 

@@ -5,7 +5,7 @@ use magsplice_ideal::IdealFilm;
 use magsplice_magnet::{Axis, PerTileError, TileError};
 
 use super::displacement::{Displacement, OMITTED, displacement_errors_mm};
-use super::sources::{ErrorSource, Moments, sources};
+use super::sources::{ErrorSource, Moments, SensorError, noise_moments, sources};
 use super::tile_response::TileResponse;
 use crate::evaluation_grid::{EvaluationGrid, SampleError};
 use crate::low_rank::{LowRank, add};
@@ -97,12 +97,9 @@ impl FirstOrder {
     /// The model of a film in a working volume.
     ///
     /// # Errors
-    /// If the parameters or the derivatives do not exist at a point of the volume, the derivatives
-    /// need too much memory, or a head reads the film.
+    /// If the parameters or the derivatives do not exist at a point of the volume, or the derivatives
+    /// need too much memory.
     pub fn new(film: &RealFilm, volume: &EvaluationGrid, ideal: &IdealFilm) -> Result<FirstOrder, SampleError> {
-        if film.has_head() {
-            return Err(SampleError::Head);
-        }
         let sampler = Sampler::new(film, volume, ideal, 0)?;
         let points = sampler.points();
         let last = points.len() - 1;
@@ -116,20 +113,23 @@ impl FirstOrder {
             return Err(SampleError::NotBelow { point: *point });
         }
         let film_t = sampler.film_t()?;
-        let nominal_mm = displacement_errors_mm(points, &film_t, ideal)?;
-        let mut read_t: Vec<DVec3> =
-            film_t.iter().zip(sampler.neighbour_t()).map(|(film, other)| film + other).collect();
+        let nominal_mm = displacement_errors_mm(points, &sampler.sum_t(&film_t), ideal)?;
         let neighbour = film.tolerance().common.neighbour.as_ref();
-        if neighbour.is_some_and(|neighbour| neighbour.later) {
-            read_t[last] = film_t[last];
-        }
+        let is_later = neighbour.is_some_and(|neighbour| neighbour.later);
+        let with_neighbour = |(place, (film, other)): (usize, (&DVec3, &DVec3))| {
+            let is_first = place % points.len() == last;
+            if is_first && is_later { *film } else { film + other }
+        };
+        let at_places_t = film_t.iter().zip(sampler.neighbour_t()).enumerate().map(with_neighbour);
+        let fields = Fields { at_places_t: at_places_t.collect(), film_t };
+        let read_t = sampler.sum_t(&fields.at_places_t);
         let errors_mm = displacement_errors_mm(points, &read_t, ideal)?;
         let by_neighbour_mm =
             neighbour.map(|_| errors_mm.iter().zip(&nominal_mm).map(|(all, own)| all - own).collect());
 
         let displacement = Displacement::new(points, &read_t, ideal)?;
         let (mut terms, mut sensitivities) = (Vec::new(), Vec::new());
-        for_each_derivative(film, points, &film_t, &read_t, |changes_t| {
+        for_each_derivative(&sampler, &fields, |changes_t| {
             let (source, Moments { mean, variance }) = sources[terms.len()];
             let column = displacement.changes_mm(changes_t);
             if mean != 0.0 || variance != 0.0 {
@@ -147,12 +147,12 @@ impl FirstOrder {
         };
         let varies = |sensitivity: &&Sensitivity| terms[sensitivity.term].deviation != 0.0;
         let varying = LowRank::new(sensitivities.iter().filter(varies).map(scaled).collect(), OMITTED);
-        let noise = &film.tolerance().common.sensor.noise_t;
-        let noise_t2 = DVec3::from([0, 1, 2].map(|axis| Moments::new(&noise[axis]).variance));
+        let noise = noise_moments(film);
+        let noise_t2 = DVec3::from(noise.map(|moments| moments.variance));
         let rows = displacement.rows();
         let noise_mm2 = (0..3).flat_map(|axis| rows.iter().map(move |row| (row[axis] * row[axis]).dot(noise_t2)));
         let noise_mm2 = noise_mm2.collect();
-        let noise_mean_t = DVec3::from([0, 1, 2].map(|axis| Moments::new(&noise[axis]).mean));
+        let noise_mean_t = DVec3::from(noise.map(|moments| moments.mean));
         let noise_shift_mm: Vec<f64> =
             (0..3).flat_map(|axis| rows.iter().map(move |row| row[axis].dot(noise_mean_t))).collect();
         add(&mut mean_mm, 1.0, &noise_shift_mm);
@@ -203,27 +203,29 @@ impl FirstOrder {
     }
 }
 
+/// The fields at the places of the sensors, see [`Sampler::places`].
+struct Fields {
+    /// Of the film.
+    film_t: Vec<DVec3>,
+    /// Of the film and its neighbour.
+    at_places_t: Vec<DVec3>,
+}
+
 /// Calls a function with the derivative of all readings by each error, in the order of [`sources`].
-/// `film_t` is the field of the film, `read_t` the readings of the film and its neighbour.
-fn for_each_derivative(
-    film: &RealFilm,
-    points: &[DVec3],
-    film_t: &[DVec3],
-    read_t: &[DVec3],
-    mut each: impl FnMut(&[DVec3]),
-) -> Result<(), SampleError> {
-    let none = vec![DVec3::ZERO; points.len()];
+fn for_each_derivative(sampler: &Sampler, fields: &Fields, mut each: impl FnMut(&[DVec3])) -> Result<(), SampleError> {
+    let (film, points, places) = (sampler.film(), sampler.points(), sampler.places());
+    let none = vec![DVec3::ZERO; places.len()];
     let tolerance = film.tolerance();
     let mut of_groups = vec![PerTileError::from_fn(|_| none.clone()); tolerance.groups.len()];
     let pose = [TileError::Position, TileError::Rotation].map(|kind| Axis::ALL.map(kind));
     let mut of_pose = vec![none.clone(); pose.as_flattened().len()];
     let in_film = film.in_film(film.tiles()).map_err(SampleError::Tile)?;
     for (number, tile) in in_film.iter().enumerate() {
-        let response = TileResponse::new(number, tile, points)?;
+        let response = TileResponse::new(number, tile, &places)?;
         for error in TileError::ALL {
             let mut changes_t = none.clone();
             response.add_derivative(error, tile.position(), &mut changes_t);
-            each(&changes_t);
+            each(&sampler.sum_t(&changes_t));
         }
         for (error, sum) in pose.as_flattened().iter().zip(&mut of_pose) {
             response.add_derivative(*error, film.centre_mm(), sum);
@@ -235,34 +237,51 @@ fn for_each_derivative(
             }
         }
     }
-    of_groups.iter().flat_map(PerTileError::values).for_each(|changes_t| each(changes_t));
+    of_groups.iter().flat_map(PerTileError::values).for_each(|changes_t| each(&sampler.sum_t(changes_t)));
     let last = points.len() - 1;
-    for source in ErrorSource::common() {
-        let mut changes_t: Vec<DVec3> = match source {
+    for source in ErrorSource::common(film.chips().len()) {
+        let changes_t: Vec<DVec3> = match source {
             ErrorSource::FilmPosition(axis) => of_pose[axis].clone(),
             ErrorSource::FilmRotation(axis) => of_pose[3 + axis].clone(),
-            // The film moves the other way past the sensor.
-            ErrorSource::SensorPosition(axis) => of_pose[axis].iter().map(|change_t| -*change_t).collect(),
-            ErrorSource::StrayField(axis) | ErrorSource::SensorOffset(axis) => vec![DVec3::AXES[axis]; points.len()],
-            // Axes that turn one way see the field turn the other way.
-            ErrorSource::SensorRotation(axis) => read_t.iter().map(|b_t| b_t.cross(DVec3::AXES[axis])).collect(),
-            ErrorSource::SensorGain(axis) => read_t.iter().map(|b_t| *b_t * DVec3::AXES[axis]).collect(),
-            _ => film_t.to_vec(),
+            ErrorSource::StrayField(axis) => vec![DVec3::AXES[axis]; places.len()],
+            ErrorSource::Sensor { sensor, error } => {
+                let own = sensor * points.len()..(sensor + 1) * points.len();
+                let mut changes_t = none.clone();
+                changes_t[own.clone()].copy_from_slice(&of_sensor(error, &fields.at_places_t[own.clone()], |axis| {
+                    &of_pose[axis][own.clone()]
+                }));
+                changes_t
+            }
+            _ => fields.film_t.clone(),
         };
         let later = match source {
             ErrorSource::StrayField(_) => tolerance.common.stray_field.as_ref().is_some_and(|field| field.later),
             ErrorSource::Temperature => true,
             _ => false,
         };
+        let mut changes_t = sampler.sum_t(&changes_t);
         if later {
             changes_t[last] = DVec3::ZERO;
         }
         each(&changes_t);
     }
     for axis in DVec3::AXES {
-        let mut changes_t = none.clone();
+        let mut changes_t = vec![DVec3::ZERO; points.len()];
         changes_t[last] = axis;
         each(&changes_t);
     }
     Ok(())
+}
+
+/// The derivatives of the readings of one sensor by its error, from the readings and their
+/// derivatives by the position of the film along each axis.
+fn of_sensor<'a>(error: SensorError, read_t: &[DVec3], by_film: impl Fn(usize) -> &'a [DVec3]) -> Vec<DVec3> {
+    match error {
+        SensorError::Offset(axis) => vec![DVec3::AXES[axis]; read_t.len()],
+        // Axes that turn one way see the field turn the other way.
+        SensorError::Rotation(axis) => read_t.iter().map(|b_t| b_t.cross(DVec3::AXES[axis])).collect(),
+        SensorError::Gain(axis) => read_t.iter().map(|b_t| *b_t * DVec3::AXES[axis]).collect(),
+        // The film moves the other way past the sensor.
+        SensorError::Position(axis) => by_film(axis).iter().map(|change_t| -*change_t).collect(),
+    }
 }

@@ -1,11 +1,11 @@
 //! The errors of a film as one list, with their means, variances and values in samples.
 
+use glam::DVec3;
 use magsplice_layout::Distribution;
 use magsplice_magnet::{Axis, PerTileError, TileError};
 
 use crate::draws::Draws;
 use crate::quantile::{mean, variance};
-use crate::readings::Surroundings;
 use crate::real_film::RealFilm;
 
 /// One error of a film, a number. Axes are 0, 1, 2 for x, y, z.
@@ -39,16 +39,37 @@ pub enum ErrorSource {
     StrayField(usize),
     /// Relative change of the strength of all tiles after the reading at the reference point.
     Temperature,
-    /// Offset of the sensor along an axis.
-    SensorOffset(usize),
-    /// Component of the rotation vector of the sensor.
-    SensorRotation(usize),
-    /// Error of the gain of the sensor along an axis.
-    SensorGain(usize),
-    /// Displacement of the sensor along an axis.
-    SensorPosition(usize),
-    /// Noise of the reading at the reference point along an axis.
+    /// An error of the sensor, or of one sensor of a head.
+    Sensor {
+        /// Index of the sensor.
+        sensor: usize,
+        /// The error.
+        error: SensorError,
+    },
+    /// Noise of the reading at the reference point along an axis; of a head, of the weighted sum.
     ReferenceNoise(usize),
+}
+
+/// An error of one sensor. Axes are 0, 1, 2 for x, y, z.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SensorError {
+    /// Offset along an axis.
+    Offset(usize),
+    /// Component of the rotation vector.
+    Rotation(usize),
+    /// Error of the gain along an axis.
+    Gain(usize),
+    /// Displacement along an axis.
+    Position(usize),
+}
+
+impl SensorError {
+    /// All errors, in the order of [`Surroundings::values`](crate::readings::Surroundings::values).
+    fn all() -> impl Iterator<Item = SensorError> {
+        let kinds = [SensorError::Offset, SensorError::Rotation, SensorError::Gain, SensorError::Position];
+        kinds.into_iter().flat_map(|kind| [0, 1, 2].map(kind))
+    }
 }
 
 /// The cause of errors: one number of a tolerance, for all its tiles.
@@ -113,26 +134,22 @@ impl ErrorSource {
             ErrorSource::FilmPosition(_) | ErrorSource::FilmRotation(_) => Cause::FilmPose,
             ErrorSource::StrayField(_) => Cause::StrayField,
             ErrorSource::Temperature => Cause::Temperature,
-            ErrorSource::SensorOffset(_) => Cause::SensorOffset,
-            ErrorSource::SensorRotation(_) => Cause::SensorRotation,
-            ErrorSource::SensorGain(_) => Cause::SensorGain,
-            ErrorSource::SensorPosition(_) => Cause::SensorPosition,
+            ErrorSource::Sensor { error: SensorError::Offset(_), .. } => Cause::SensorOffset,
+            ErrorSource::Sensor { error: SensorError::Rotation(_), .. } => Cause::SensorRotation,
+            ErrorSource::Sensor { error: SensorError::Gain(_), .. } => Cause::SensorGain,
+            ErrorSource::Sensor { error: SensorError::Position(_), .. } => Cause::SensorPosition,
             ErrorSource::ReferenceNoise(_) => Cause::SensorNoise,
         }
     }
 
-    /// The errors that all tiles share, in the order of [`Surroundings::values`].
-    pub(crate) fn common() -> [ErrorSource; Surroundings::ERRORS] {
-        std::array::from_fn(|number| match number {
-            0..3 => ErrorSource::FilmPosition(number),
-            3..6 => ErrorSource::FilmRotation(number - 3),
-            6..9 => ErrorSource::StrayField(number - 6),
-            9 => ErrorSource::Temperature,
-            10..13 => ErrorSource::SensorOffset(number - 10),
-            13..16 => ErrorSource::SensorRotation(number - 13),
-            16..19 => ErrorSource::SensorGain(number - 16),
-            _ => ErrorSource::SensorPosition(number - 19),
-        })
+    /// The errors that all tiles share, in the order of
+    /// [`Surroundings::values`](crate::readings::Surroundings::values), with those of each of
+    /// several sensors.
+    pub(crate) fn common(sensors: usize) -> impl Iterator<Item = ErrorSource> {
+        let kinds = [ErrorSource::FilmPosition, ErrorSource::FilmRotation, ErrorSource::StrayField];
+        let of_film = kinds.into_iter().flat_map(|kind| [0, 1, 2].map(kind)).chain([ErrorSource::Temperature]);
+        let of_sensor = |sensor: usize| SensorError::all().map(move |error| ErrorSource::Sensor { sensor, error });
+        of_film.chain((0..sensors).flat_map(of_sensor))
     }
 }
 
@@ -176,15 +193,18 @@ pub(crate) fn sources(film: &RealFilm) -> Vec<(ErrorSource, Moments)> {
         let any = Moments::new(&field.any_direction_t);
         Moments { variance: along.variance + (any.variance + any.mean * any.mean) / 3.0, ..along }
     };
-    all.extend(ErrorSource::common().map(|source| {
+    let chips = film.chips();
+    all.extend(ErrorSource::common(chips.len()).map(|source| {
         let moments = match source {
             ErrorSource::FilmPosition(axis) => Moments::new(&common.film.position_mm[axis]),
             ErrorSource::FilmRotation(axis) => Moments::new(&common.film.rotation_rad[axis]),
             ErrorSource::StrayField(axis) => stray_field(axis),
-            ErrorSource::SensorOffset(axis) => Moments::new(&common.sensor.offset_t[axis]),
-            ErrorSource::SensorRotation(axis) => Moments::new(&common.sensor.rotation_rad[axis]),
-            ErrorSource::SensorGain(axis) => Moments::new(&common.sensor.gain[axis]),
-            ErrorSource::SensorPosition(axis) => Moments::new(&common.sensor.position_mm[axis]),
+            ErrorSource::Sensor { error, .. } => Moments::new(match error {
+                SensorError::Offset(axis) => &common.sensor.offset_t[axis],
+                SensorError::Rotation(axis) => &common.sensor.rotation_rad[axis],
+                SensorError::Gain(axis) => &common.sensor.gain[axis],
+                SensorError::Position(axis) => &common.sensor.position_mm[axis],
+            }),
             // The temperature, alone among the common errors, has no axis.
             _ => common.temperature.as_ref().map_or(Moments::default(), |temperature| {
                 Moments::new(&temperature.change_k).scaled(temperature.strength_per_k)
@@ -192,9 +212,19 @@ pub(crate) fn sources(film: &RealFilm) -> Vec<(ErrorSource, Moments)> {
         };
         (source, moments)
     }));
-    let noise = |axis: usize| (ErrorSource::ReferenceNoise(axis), Moments::new(&common.sensor.noise_t[axis]));
-    all.extend([0, 1, 2].map(noise));
+    let noise = noise_moments(film);
+    all.extend([0, 1, 2].map(|axis| (ErrorSource::ReferenceNoise(axis), noise[axis])));
     all
+}
+
+/// Moments of the noise of a reading along each axis: of a head, of the weighted sum.
+pub(crate) fn noise_moments(film: &RealFilm) -> [Moments; 3] {
+    let weights = || film.chips().into_iter().map(|(_, weight)| weight);
+    let (sum, squares): (DVec3, DVec3) = (weights().sum(), weights().map(|weight| weight * weight).sum());
+    [0, 1, 2].map(|axis| {
+        let Moments { mean, variance } = Moments::new(&film.tolerance().common.sensor.noise_t[axis]);
+        Moments { mean: sum[axis] * mean, variance: squares[axis] * variance }
+    })
 }
 
 /// The values of all errors of [`sources`] in a sample. `reference` is the number of the reading at
@@ -203,6 +233,6 @@ pub(crate) fn drawn_values(film: &RealFilm, draws: &mut Draws, reference: usize)
     let errors = film.draw_errors(draws);
     let mut values: Vec<f64> = errors.iter().flatten().flat_map(PerTileError::values).copied().collect();
     values.extend(film.draw_surroundings(draws).values());
-    values.extend(draws.noise_t(reference, &film.tolerance().common.sensor.noise_t).to_array());
+    values.extend(film.draw_noise_t(draws, reference).to_array());
     values
 }
