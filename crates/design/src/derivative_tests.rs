@@ -1,9 +1,18 @@
 //! Tests of the sampling and the objective: derivatives, weights of a finer grid, symmetry.
 
-use magsplice_layout::{Goal, Layout};
+use magsplice_layout::{Brief, Goal, Layout};
 
 use crate::problem::design_problem::DesignProblem;
 use crate::search::metrics::Metrics;
+
+/// Boards that mirrors keep, and boards that they do not; one of the latter has a weight for each axis.
+pub(crate) const HEADS: [&str; 4] = [
+    "[sensor]\nhead = \"pair-z\"\nspacing_mm = 2.0\n",
+    "[sensor]\nhead = \"cross\"\n",
+    "[sensor]\nhead = \"pair-xy\"\n",
+    "[[sensor.element]]\nposition_mm = [0.2, -0.1, 0.0]\nweight = [1.4, 1.5, 1.6]\n\
+     [[sensor.element]]\nposition_mm = [-0.3, 0.4, -2.0]\nweight = [-0.7, -0.9, -0.8]\n",
+];
 
 /// Central differences in every variable, for every goal, with all numbers free at once.
 ///
@@ -12,10 +21,20 @@ use crate::search::metrics::Metrics;
 /// largest derivative of a variable.
 #[test]
 fn derivatives_agree_with_central_differences() {
+    assert_derivatives("");
+}
+
+/// As above below heads: with the symmetry of the film and without it.
+#[test]
+fn derivatives_below_a_head_agree_with_central_differences() {
+    HEADS.into_iter().for_each(assert_derivatives);
+}
+
+fn assert_derivatives(sensor: &str) {
     let text = |design: &str, tiles: &str| {
         format!(
             "format = 1\nname = \"film\"\n[ideal]\nwavelength_mm = 10.0\nthickness_mm = 1.0\namplitude_t = 0.12\n[volume]\nx_mm = [-1.5, 2.0]\ny_mm = [-1.0, 1.0]\n\
-             z_mm = [-5.0, -3.0]\nstep_mm = 1.0\n[design]\n{design}\nthickness_mm = {{ min = 0.5, max = 2.0 }}\nstrength_t = {{ min = 0.0, max = 1.0 }}\n{tiles}"
+             z_mm = [-5.0, -3.0]\nstep_mm = 1.0\n[design]\n{design}\nthickness_mm = {{ min = 0.5, max = 2.0 }}\nstrength_t = {{ min = 0.0, max = 1.0 }}\n{sensor}{tiles}"
         )
     };
     let mirrored = "[[tile]]\nposition_mm = [2.5, 2.3, 0.5]\nsize_mm = [3.0, 2.0, 1.0]\npolarization_t = [0.12, 0.05, 0.01]\nmirror = { axes = [\"x\", \"y\"] }\n\
@@ -76,6 +95,31 @@ fn derivatives_agree_with_central_differences() {
     }
 }
 
+/// The objective at the start is that of the metrics, which are evaluated without symmetry. The
+/// amplitude is that of the ideal film as the head reads it.
+#[test]
+fn objective_below_a_head_is_that_of_the_metrics() {
+    let text = std::fs::read_to_string("../../layouts/published-film.toml").expect("a shipped layout");
+    for head in HEADS {
+        let layout = Layout::parse(&format!("{text}\n{head}"), "test").unwrap_or_else(|e| panic!("{e}"));
+        let brief = Brief { goal: Goal::Displacement, ..layout.brief.clone().unwrap() };
+        let problem = DesignProblem::from_brief(&layout, brief).unwrap();
+        let (squares, volume) = (&problem.least_squares, layout.volume.unwrap());
+        let residuals = squares.residuals(&problem.pattern, &problem.pattern.start, false).unwrap();
+        let ideal = layout.ideal.unwrap();
+        let metrics =
+            Metrics::from_tiles(&layout.bare_tiles(), layout.head(), &volume.grid, volume.reference_mm, &ideal);
+        let figures = metrics.unwrap().figures;
+        assert_eq!(problem.grid().len(), volume.grid.len());
+        let errors_mm = figures.displacement_rmse_mm.to_array();
+        let expected: f64 = (0..3).map(|axis| (squares.objective.weights[axis] * errors_mm[axis]).powi(2)).sum();
+        let found = 2.0 * residuals.loss();
+        assert!((found / expected - 1.0).abs() < 1e-9, "{head}: {found} is not {expected}");
+        let amplitude = residuals.amplitudes[0].0;
+        assert!((amplitude / figures.amplitude - 1.0).abs() < 1e-12, "{head}: {amplitude}");
+    }
+}
+
 #[test]
 fn weighted_amplitude_is_that_of_the_finer_grid() {
     let layout = Layout::read("../../layouts/published-film.toml").unwrap_or_else(|e| panic!("{e}"));
@@ -84,6 +128,7 @@ fn weighted_amplitude_is_that_of_the_finer_grid() {
     let residuals = problem.least_squares.objective.residuals(&problem.least_squares.sampling, &field).unwrap();
     let exact = Metrics::from_tiles(
         &layout.bare_tiles(),
+        layout.head(),
         &problem.finer_grid(),
         layout.volume.unwrap().reference_mm,
         &layout.ideal.unwrap(),

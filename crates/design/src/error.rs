@@ -41,9 +41,6 @@ pub enum DesignError {
     /// The layout lacks this table.
     #[error("{0}")]
     Missing(NeededTable),
-    /// The layout has a head.
-    #[error("films are not designed for a head: leave out head or [[sensor.element]] of [sensor]")]
-    Head,
     /// There is not enough memory.
     #[error("{0}")]
     Memory(#[source] MemoryError),

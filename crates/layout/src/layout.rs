@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use glam::DQuat;
+use magsplice_head::SensorHead;
 use magsplice_ideal::IdealFilm;
 use magsplice_magnet::{Permeability, Tile};
 
@@ -97,6 +98,11 @@ impl Layout {
     /// The tiles without their names, in the same order, in millimetres and tesla.
     pub fn bare_tiles(&self) -> Vec<Tile> {
         self.tiles.iter().map(|named| named.tile).collect()
+    }
+
+    /// The head that reads the film; `None` for one sensor.
+    pub fn head(&self) -> Option<&SensorHead> {
+        Some(&self.sensor.as_ref()?.head.as_ref()?.sensors)
     }
 
     /// The recoil permeability of each tile: its own, or the material's.

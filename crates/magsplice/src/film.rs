@@ -221,14 +221,13 @@ impl Film {
 
     /// The head of the layout; `None` for one sensor.
     pub fn head(&self) -> Option<&SensorHead> {
-        Some(&self.layout.sensor.as_ref()?.head.as_ref()?.sensors)
+        self.layout.head()
     }
 
     /// The field at a position of the sensor: at the position itself, or the weighted sum over the
     /// places of a head.
     pub(crate) fn seen_t<E>(&self, position: DVec3, field_t: impl Fn(DVec3) -> Result<DVec3, E>) -> Result<DVec3, E> {
-        let Some(head) = self.head() else { return field_t(position) };
-        head.elements.iter().try_fold(DVec3::ZERO, |sum, of| Ok(sum + of.weight * field_t(position + of.place)?))
+        self.head().map_or_else(|| field_t(position), |head| head.seen(position, &field_t))
     }
 
     /// The points of the working volume and the reference point, for work that takes so many bytes

@@ -1,15 +1,15 @@
 //! Design problems: a layout and its brief, prepared for the search.
 
 use magsplice_ideal::IdealFilm;
-
 use magsplice_layout::{Brief, Goal, Layout, MemoryError, Symmetry, Under, Variable, WorkingVolume, check_memory};
 use magsplice_magnet::{BoundingBox, Grid, Tile};
 
 use crate::error::{DesignError, NeededTable};
 use crate::problem::error_model::ErrorModel;
 use crate::problem::least_squares::LeastSquares;
-use crate::problem::objective::Objective;
+use crate::problem::objective::{Objective, ideal_field_t};
 use crate::problem::pattern::Pattern;
+use crate::problem::reading::Reading;
 use crate::problem::rules::{DesignBounds, LinearRule};
 use crate::problem::sampling::Sampling;
 use crate::problem::symmetry::orbits;
@@ -64,9 +64,6 @@ impl<'a> DesignProblem<'a> {
     pub fn from_brief(layout: &'a Layout, brief: Brief) -> Result<DesignProblem<'a>, DesignError> {
         let ideal = layout.ideal.ok_or(DesignError::Missing(NeededTable::Ideal))?;
         let volume = layout.volume.ok_or(DesignError::Missing(NeededTable::Volume))?;
-        if layout.sensor.as_ref().is_some_and(|sensor| sensor.head.is_some()) {
-            return Err(DesignError::Head);
-        }
         let tiles = layout.bare_tiles();
         let named = |indices: Vec<usize>| indices.into_iter().map(|i| layout.tiles[i].name.clone()).collect();
         let moves = [Variable::Size, Variable::Position, Variable::Cut].into_iter().any(|moved| brief.varies(moved));
@@ -84,11 +81,12 @@ impl<'a> DesignProblem<'a> {
         if pattern.kinds.is_empty() {
             return Err(DesignError::NothingFree);
         }
-        check_free_memory(&pattern, &design_grid(&volume, brief.step_mm)).map_err(DesignError::Memory)?;
+        let reading = Reading::new(layout.head());
+        check_free_memory(&pattern, &design_grid(&volume, brief.step_mm), &reading).map_err(DesignError::Memory)?;
         volume.check_memory(BYTES_PER_POINT).map_err(DesignError::Memory)?;
-        let sampling = Sampling::new(design_grid(&volume, brief.step_mm), volume.reference_mm, brief.symmetry);
-        let below = |p: &glam::DVec3| ideal.flux_density_t(*p).ok_or(DesignError::NotBelow(*p));
-        let ideal_field_t = sampling.computed().iter().map(below).collect::<Result<_, _>>()?;
+        let grid = design_grid(&volume, brief.step_mm);
+        let sampling = Sampling::new(grid, volume.reference_mm, brief.symmetry, reading);
+        let ideal_field_t = ideal_field_t(&ideal, layout.head(), sampling.computed())?;
         let objective = Objective {
             goal: brief.goal,
             weights: brief.weights,
@@ -168,12 +166,12 @@ impl<'a> DesignProblem<'a> {
 /// Bytes of the metrics of a film for each point of the volume. Measured: 163.
 const BYTES_PER_POINT: f64 = 164.0;
 
-/// Checks the memory of the derivatives at the points of the design grid, for each start that runs
-/// at once, and of the curvature.
-fn check_free_memory(pattern: &Pattern, grid: &Grid) -> Result<(), MemoryError> {
+/// Checks the memory of the derivatives at the points of the design grid and at the places of a
+/// head, for each start that runs at once, and of the curvature.
+fn check_free_memory(pattern: &Pattern, grid: &Grid, reading: &Reading) -> Result<(), MemoryError> {
     let (free, points) = (pattern.kinds.len(), grid.len());
     let vectors = (3 * size_of::<f64>()) as f64;
-    let of_start = vectors * free as f64 * (2 * points + free) as f64;
+    let of_start = vectors * free as f64 * ((1 + reading.sensors().len()) * points + free) as f64;
     check_memory(
         of_start * rayon::current_num_threads() as f64,
         || format!("[design] has {free} free parameters at {points} points of its grid"),

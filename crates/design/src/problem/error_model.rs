@@ -3,13 +3,14 @@
 
 use glam::{DMat3, DVec3};
 use magsplice_field::Scene;
-use magsplice_layout::{CommonErrors, Distribution, FilmTolerance, TileErrors};
+use magsplice_layout::{CommonErrors, Distribution, FilmTolerance, SensorErrors, TileErrors};
 use magsplice_magnet::{PerTileError, Quantity};
 use magsplice_tolerance::mean_square;
 
 use crate::error::DesignError;
 use crate::problem::objective::Objective;
 use crate::problem::pattern::{Pattern, VariableTile};
+use crate::problem::reading::{Reading, WeightedSensor};
 use crate::problem::sampling::{SampledField, Sampling};
 use crate::problem::symmetry::SymmetryOperation;
 
@@ -24,10 +25,15 @@ pub(crate) struct ErrorModel {
     tiles: Vec<MeanSquares>,
     pub(crate) joint: Vec<JointErrors>,
     pub(crate) common: Vec<CommonError>,
+    /// Rotations and gains of the sensors of a head.
+    pub(crate) of_sensors: Vec<SensorChange>,
     /// Mean squares of the noise of each reading along x, y, z, in square tesla.
     pub(crate) noise: DVec3,
     /// Whether images of a tile have the same sensitivities, apart from the symmetry operation.
     symmetric: bool,
+    /// Whether the errors of all sensors of a head together have the same effect at the images of a
+    /// point.
+    pub(crate) has_symmetric_sensors: bool,
 }
 
 /// Errors that several tiles share: a rigid motion, and equal changes of each of them.
@@ -38,6 +44,8 @@ pub(crate) struct JointErrors {
     pub(crate) mean_squares: MeanSquares,
     /// The point about which they turn.
     pub(crate) centre: Centre,
+    /// The only sensor of a head below which they have the errors. `None` for all.
+    pub(crate) sensor: Option<usize>,
 }
 
 /// The point about which tiles turn together.
@@ -47,6 +55,14 @@ pub(crate) enum Centre {
     Mean,
     /// The centre of their bounding box.
     Box,
+}
+
+/// A change of the reading of one sensor of a head, of either sign: a linear function of the film's
+/// field at its place.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SensorChange {
+    pub(crate) sensor: usize,
+    pub(crate) by_field: DMat3,
 }
 
 /// A change of the field that the sensor reads, of either sign: a field, and a linear function of
@@ -115,9 +131,10 @@ impl ErrorModel {
                 tiles: group.tiles.clone(),
                 mean_squares: mean_squares(&group.errors),
                 centre: Centre::Mean,
+                sensor: None,
             })
             .collect();
-        let pose = |position: &[Distribution; 3], rotation: &[Distribution; 3]| JointErrors {
+        let pose = |position: &[Distribution; 3], rotation: &[Distribution; 3], sensor: Option<usize>| JointErrors {
             tiles: (0..tile_count).collect(),
             mean_squares: mean_squares(&TileErrors {
                 position: position.clone(),
@@ -125,18 +142,29 @@ impl ErrorModel {
                 ..TileErrors::default()
             }),
             centre: Centre::Box,
+            sensor,
         };
-        let CommonErrors { film, sensor, .. } = &tolerance.common;
-        joint.push(pose(&film.position_mm, &film.rotation_rad));
+        let CommonErrors { film, sensor: sensor_errors, .. } = &tolerance.common;
+        let reading = &sampling.reading;
+        joint.push(pose(&film.position_mm, &film.rotation_rad, None));
         // The film moves the other way past a sensor that is displaced.
-        joint.push(pose(&sensor.position_mm, &Default::default()));
+        let displaced = |sensor: Option<usize>| pose(&sensor_errors.position_mm, &Default::default(), sensor);
+        match reading.is_single() {
+            true => joint.push(displaced(None)),
+            false => joint.extend((0..reading.sensors().len()).map(|number| displaced(Some(number)))),
+        }
         joint.retain(|errors| errors.mean_squares != MeanSquares::default());
+        let symmetric = sampling.is_symmetric() && (weights[0] == weights[1] || !sampling.exchanges());
+        let of_sensor = [&sensor_errors.position_mm, &sensor_errors.rotation_rad, &sensor_errors.gain].map(vector);
+        let exchangeable = of_sensor.iter().all(|squares| squares.x == squares.y);
         Ok(ErrorModel {
             tiles: tolerance.tiles.iter().map(mean_squares).collect(),
             joint,
             common: common_errors(&tolerance.common, sampling)?,
-            noise: vector(&tolerance.common.sensor.noise_t),
-            symmetric: sampling.is_symmetric() && (weights[0] == weights[1] || !sampling.exchanges()),
+            of_sensors: if reading.is_single() { Vec::new() } else { sensor_changes(sensor_errors, reading) },
+            noise: vector(&sensor_errors.noise_t) * reading.mean_squares(),
+            symmetric,
+            has_symmetric_sensors: symmetric && (exchangeable || !sampling.exchanges()),
         })
     }
 
@@ -178,7 +206,7 @@ fn vector(errors: &[Distribution; 3]) -> DVec3 {
 }
 
 fn common_errors(common: &CommonErrors, sampling: &Sampling) -> Result<Vec<CommonError>, DesignError> {
-    let mut found = Vec::new();
+    let (reading, mut found) = (&sampling.reading, Vec::new());
     let mut add = |field_t: Vec<DVec3>, by_field: DMat3, later: bool| {
         if by_field != DMat3::ZERO || field_t.iter().any(|field| *field != DVec3::ZERO) {
             found.push(CommonError { field_t, by_field, later });
@@ -189,27 +217,51 @@ fn common_errors(common: &CommonErrors, sampling: &Sampling) -> Result<Vec<Commo
         // A field of any direction has a third of its square along each axis.
         let squares = vector(&stray.field_t) + DVec3::splat(mean_square(&stray.any_direction_t) / 3.0);
         for (axis, field_t) in DVec3::AXES.into_iter().zip(root(squares)) {
-            add(vec![field_t * axis], DMat3::ZERO, stray.later);
+            add(vec![field_t * axis * reading.uniform()], DMat3::ZERO, stray.later);
         }
     }
     if let Some(neighbour) = &common.neighbour {
         let points: Vec<DVec3> = sampling.grid.points().chain([sampling.reference]).collect();
-        let field_t = Scene::new(&neighbour.tiles).field_at(Quantity::FluxDensity, &points);
-        add(field_t.map_err(|_| DesignError::NoField)?, DMat3::ZERO, neighbour.later);
+        let at_places = Scene::new(&neighbour.tiles).field_at(Quantity::FluxDensity, &reading.places(&points));
+        let at_places = at_places.map_err(|_| DesignError::NoField)?;
+        let of_point = |values: &[DVec3]| reading.sum(values.iter().copied());
+        let field_t = at_places.chunks_exact(reading.sensors().len()).map(of_point).collect();
+        add(field_t, DMat3::ZERO, neighbour.later);
     }
     if let Some(temperature) = &common.temperature {
         let change = mean_square(&temperature.change_k).sqrt() * temperature.strength_per_k;
         add(vec![DVec3::ZERO], DMat3::from_diagonal(DVec3::splat(change)), true);
     }
-    let sensor = &common.sensor;
-    for (number, axis) in DVec3::AXES.into_iter().enumerate() {
-        let [offset_t, turn, gain] =
-            [&sensor.offset_t, &sensor.rotation_rad, &sensor.gain].map(|errors| mean_square(&errors[number]).sqrt());
-        add(vec![offset_t * axis], DMat3::ZERO, false);
-        // The sensor reads the components along its own axes: a field turned backwards.
-        let backwards = [DVec3::X, DVec3::Y, DVec3::Z].map(|column| -turn * axis.cross(column));
-        add(vec![DVec3::ZERO], DMat3::from_cols(backwards[0], backwards[1], backwards[2]), false);
-        add(vec![DVec3::ZERO], DMat3::from_diagonal(gain * axis), false);
+    let offsets_t = root(vector(&common.sensor.offset_t) * reading.mean_squares());
+    for (number, turn_and_gain) in turns_and_gains(&common.sensor).into_iter().enumerate() {
+        add(vec![offsets_t[number] * DVec3::AXES[number]], DMat3::ZERO, false);
+        if reading.is_single() {
+            turn_and_gain.into_iter().for_each(|by_field| add(vec![DVec3::ZERO], by_field, false));
+        }
     }
     Ok(found)
+}
+
+/// The changes of the reading of one sensor by its rotation about each axis, and by its gain along
+/// it, as functions of the field.
+fn turns_and_gains(sensor: &SensorErrors) -> [[DMat3; 2]; 3] {
+    let [turns, gains] = [&sensor.rotation_rad, &sensor.gain].map(|errors| vector(errors).map(f64::sqrt));
+    [0, 1, 2].map(|number| {
+        let axis = DVec3::AXES[number];
+        // The sensor reads the components along its own axes: a field turned backwards.
+        let backwards = DVec3::AXES.map(|column| -turns[number] * axis.cross(column));
+        let turned = DMat3::from_cols(backwards[0], backwards[1], backwards[2]);
+        [turned, DMat3::from_diagonal(gains[number] * axis)]
+    })
+}
+
+/// The changes of the reading of each sensor of a head by its own rotation and gain.
+fn sensor_changes(errors: &SensorErrors, reading: &Reading) -> Vec<SensorChange> {
+    let of_sensor = |(sensor, weighted): (usize, &WeightedSensor)| {
+        let weight = DMat3::from_diagonal(weighted.weight);
+        let all = turns_and_gains(errors).into_iter().flatten();
+        all.map(move |by_field| SensorChange { sensor, by_field: weight * by_field })
+    };
+    let all = reading.sensors().iter().enumerate().flat_map(of_sensor);
+    all.filter(|change| change.by_field != DMat3::ZERO).collect()
 }

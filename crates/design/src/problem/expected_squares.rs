@@ -17,7 +17,7 @@ use magsplice_magnet::TileError;
 use rayon::prelude::*;
 
 use crate::problem::error_model::{ErrorImage, ErrorModel, RobustFilm};
-use crate::problem::joint_response::joint_responses;
+use crate::problem::joint_response::{JointResponse, joint_responses, sensor_response};
 use crate::problem::objective::ExpectedSquares;
 use crate::problem::pattern::VariableTile;
 use crate::problem::symmetry::SymmetryOperation;
@@ -177,7 +177,7 @@ impl Rows<'_> {
             let deviations = mean_squares.map(f64::sqrt);
             let responding = RespondingTile::new(tile, film.variables, active, film.with_derivatives())?;
             let mapped: Vec<DVec3> = points.iter().map(|point| operation.inverse().apply(*point)).collect();
-            let mut responses = responding.at(&mapped)?;
+            let mut responses = responding.read(&film.sampling.reading.seen_by(operation), &mapped)?;
             let at_reference = responses.pop()?;
             let of_own = |response: &TileResponse, into: &mut [DVec3]| {
                 into.fill(DVec3::ZERO);
@@ -306,47 +306,80 @@ impl Rows<'_> {
         ExpectedSquares { loss: sums.loss, gradient, curvature }
     }
 
-    /// Adds the rows of errors that several tiles share.
+    /// Adds the rows of errors that several tiles share, and of those of the sensors of a head.
     fn add_joint(&self, model: &ErrorModel, squares: &mut ExpectedSquares) -> Option<()> {
-        let film = self.film;
-        let (n, reference_index) = (film.field.variable_count, film.field.flux_density_t.len() - 1);
+        let all: Vec<CountedPoint> =
+            (0..self.at_points.len()).map(|point| CountedPoint { point, count: 1.0 }).collect();
+        let distinct = if model.has_symmetric_sensors { self.distinct_points() } else { all.clone() };
         for errors in &model.joint {
-            // Change of B and its derivatives at the points of the grid, then at the reference
-            // point.
-            for response in joint_responses(errors, film)? {
-                let (there, own_there) = response.at(film.sampling.grid.len());
-                for (point, (sensitivity, &(index, operation))) in
-                    self.at_points.iter().zip(film.sampling.images()).enumerate()
-                {
-                    let (here, own_here) = response.at(point);
-                    for axis in 0..3 {
-                        let (first, from) = (sensitivity.first[axis], self.reference.first[axis]);
-                        let value = first.dot(here) - from.dot(there);
-                        squares.loss += 0.5 * value * value;
-                        if n == 0 {
-                            continue;
-                        }
-                        let u = operation.inverse().apply(sensitivity.second[axis] * here);
-                        let v = self.reference.second[axis] * there;
-                        let by_field = film.field.derivatives_at(index).iter().map(|by| u.dot(*by));
-                        let by_reference = film.field.derivatives_at(reference_index).iter().map(|by| v.dot(*by));
-                        let own =
-                            own_here.iter().zip(own_there).map(|(here, there)| first.dot(*here) - from.dot(*there));
-                        let row: Vec<f64> = by_field
-                            .zip(by_reference)
-                            .zip(own)
-                            .map(|((here, there), own)| here - there + own)
-                            .collect();
-                        for i in 0..n {
-                            squares.gradient[i] += value * row[i];
-                            (0..n).for_each(|k| squares.curvature[i * n + k] += row[i] * row[k]);
-                        }
-                    }
-                }
+            let points = if errors.sensor.is_some() { &distinct } else { &all };
+            for response in joint_responses(errors, &numbers_of(points), self.film)? {
+                self.add_response(&response, points, squares);
             }
+        }
+        for change in &model.of_sensors {
+            let response = sensor_response(change, &numbers_of(&distinct), self.film)?;
+            self.add_response(&response, &distinct, squares);
         }
         Some(())
     }
+
+    /// One point of the grid for each set of images.
+    fn distinct_points(&self) -> Vec<CountedPoint> {
+        let sampling = self.film.sampling;
+        let mut found = vec![CountedPoint { point: 0, count: 0.0 }; sampling.computed().len() - 1];
+        for (point, (index, operation)) in sampling.images().iter().enumerate() {
+            found[*index].count += 1.0;
+            if *operation == SymmetryOperation::IDENTITY {
+                found[*index].point = point;
+            }
+        }
+        found
+    }
+
+    /// Adds the rows of one error at points of the grid.
+    fn add_response(&self, response: &JointResponse, points: &[CountedPoint], squares: &mut ExpectedSquares) {
+        let field = self.film.field;
+        let (n, reference_index) = (field.variable_count, field.flux_density_t.len() - 1);
+        let (there, own_there) = response.at(points.len());
+        for (at, &CountedPoint { point, count }) in points.iter().enumerate() {
+            let (sensitivity, (index, operation)) = (&self.at_points[point], self.film.sampling.images()[point]);
+            let (here, own_here) = response.at(at);
+            for axis in 0..3 {
+                let (first, from) = (sensitivity.first[axis], self.reference.first[axis]);
+                let value = first.dot(here) - from.dot(there);
+                squares.loss += 0.5 * count * value * value;
+                if n == 0 {
+                    continue;
+                }
+                let u = operation.inverse().apply(sensitivity.second[axis] * here);
+                let v = self.reference.second[axis] * there;
+                let by_field = field.derivatives_at(index).iter().map(|by| u.dot(*by));
+                let by_reference = field.derivatives_at(reference_index).iter().map(|by| v.dot(*by));
+                let own = own_here.iter().zip(own_there).map(|(here, there)| first.dot(*here) - from.dot(*there));
+                let row: Vec<f64> =
+                    by_field.zip(by_reference).zip(own).map(|((here, there), own)| here - there + own).collect();
+                for (i, (slope, curvature)) in
+                    squares.gradient.iter_mut().zip(squares.curvature.chunks_exact_mut(n)).enumerate()
+                {
+                    *slope += count * value * row[i];
+                    let of_row = count * row[i];
+                    curvature.iter_mut().zip(&row).for_each(|(sum, other)| *sum += of_row * other);
+                }
+            }
+        }
+    }
+}
+
+/// A point of the grid, and how many points it stands for.
+#[derive(Clone, Copy)]
+struct CountedPoint {
+    point: usize,
+    count: f64,
+}
+
+fn numbers_of(points: &[CountedPoint]) -> Vec<usize> {
+    points.iter().map(|counted| counted.point).collect()
 }
 
 /// a b^T.

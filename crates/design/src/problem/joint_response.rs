@@ -3,14 +3,14 @@
 use glam::DVec3;
 use magsplice_magnet::{Axis, BoundingBox, DirectionError, PerTileError, TileError};
 
-use crate::problem::error_model::{Centre, JointErrors, RobustFilm};
+use crate::problem::error_model::{Centre, JointErrors, RobustFilm, SensorChange};
 use crate::problem::pattern::{VariableTile, image};
 use crate::problem::symmetry::SymmetryOperation;
 use crate::problem::tile_response::{RespondingTile, TileResponse, numbers};
 
-/// The change of B by a deviation of one error, with derivatives by all variables.
+/// The change of the reading by a deviation of one error, with derivatives by all variables.
 pub(crate) struct JointResponse {
-    /// At the points of the grid, then at the reference point.
+    /// At points of the grid, then at the reference point.
     changes: Vec<DVec3>,
     /// Variable fastest.
     derivatives: Vec<DVec3>,
@@ -33,10 +33,32 @@ struct VariablePoint {
     derivatives: Vec<DVec3>,
 }
 
-/// The responses to each of the joint errors, times their deviations.
-pub(crate) fn joint_responses(errors: &JointErrors, film: &RobustFilm) -> Option<Vec<JointResponse>> {
+/// The response to the rotation or the gain of one sensor of a head, at these points of the grid.
+pub(crate) fn sensor_response(change: &SensorChange, points: &[usize], film: &RobustFilm) -> Option<JointResponse> {
+    let (n, sampling) = (film.field.variable_count, film.sampling);
+    let (sensors, reference) = (sampling.reading.sensors().len(), sampling.computed().len() - 1);
+    let of_points = points.iter().map(|&point| sampling.images()[point]);
+    let mut response = JointResponse::new(points.len() + 1, n);
+    for (at, (index, operation)) in of_points.chain([(reference, SymmetryOperation::IDENTITY)]).enumerate() {
+        // The sensor at the computed point whose image the sensor is.
+        let sensor = sampling.reading.image(change.sensor, operation.inverse())?;
+        let (b_t, derivatives) = film.field.at_place(index * sensors + sensor)?;
+        response.changes[at] = change.by_field * operation.apply(b_t);
+        let into = response.derivatives[at * n..][..n].iter_mut();
+        into.zip(derivatives).for_each(|(into, by)| *into = change.by_field * operation.apply(*by));
+    }
+    Some(response)
+}
+
+/// The responses to each of the joint errors, times their deviations, at these points of the grid.
+pub(crate) fn joint_responses(errors: &JointErrors, points: &[usize], film: &RobustFilm) -> Option<Vec<JointResponse>> {
     let n = film.field.variable_count;
-    let points: Vec<DVec3> = film.sampling.grid.points().chain([film.sampling.reference]).collect();
+    let of_grid = |&point: &usize| film.sampling.grid.point(point);
+    let points: Vec<DVec3> = points.iter().map(of_grid).chain([film.sampling.reference]).collect();
+    let reading = match errors.sensor {
+        Some(sensor) => film.sampling.reading.alone(sensor),
+        None => film.sampling.reading.clone(),
+    };
     let mut active = errors.mean_squares.map(|square| square > 0.0);
     // A turn about a point is a turn about another one and a shift.
     let turns = active.rotation.contains(&true);
@@ -52,7 +74,8 @@ pub(crate) fn joint_responses(errors: &JointErrors, film: &RobustFilm) -> Option
         for (operation, _) in images() {
             let mapped: Vec<DVec3> = points.iter().map(|point| operation.inverse().apply(*point)).collect();
             let centre = centre_of(tile, *operation, film);
-            for (point, response) in responding.at(&mapped)?.iter().enumerate() {
+            let responses_of_tile = responding.read(&reading.seen_by(*operation), &mapped)?;
+            for (point, response) in responses_of_tile.iter().enumerate() {
                 let seen = Seen { response, operation: *operation, tile };
                 for (error, into) in responses.iter_mut() {
                     let Some(into) = into else { continue };

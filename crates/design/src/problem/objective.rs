@@ -2,9 +2,11 @@
 
 use glam::DVec3;
 use magsplice_decouple::{Branch, ParameterDerivatives, Parameters};
+use magsplice_head::SensorHead;
 use magsplice_ideal::IdealFilm;
 use magsplice_layout::Goal;
 
+use crate::error::DesignError;
 use crate::problem::pattern::half_turn;
 use crate::problem::sampling::{SampledField, Sampling};
 use crate::problem::symmetry::SymmetryOperation;
@@ -16,13 +18,26 @@ pub(crate) struct Objective {
     /// Weights of R_x, R_y, S_z, or of the displacement along x, y, z.
     pub(crate) weights: [f64; 3],
     pub(crate) ideal: IdealFilm,
-    /// B of the ideal film at the computed points, in tesla.
+    /// B of the ideal film as it is read at the computed points, in tesla.
     pub(crate) ideal_field_t: Vec<DVec3>,
     /// The least amplitude, if any. Where the field is the goal, the target is the ideal field
     /// times this.
     pub(crate) amplitude: Option<f64>,
     /// Weights of the points of the sampling, for each grid over which the amplitude is bounded.
     pub(crate) amplitude_weights: Vec<Vec<f64>>,
+}
+
+/// B of an ideal film at points, in tesla, as a head or a single sensor reads it.
+///
+/// # Errors
+/// [`DesignError::NotBelow`] if a place of a sensor is not below the film.
+pub(crate) fn ideal_field_t(
+    ideal: &IdealFilm,
+    head: Option<&SensorHead>,
+    points: &[DVec3],
+) -> Result<Vec<DVec3>, DesignError> {
+    let below = |place: DVec3| ideal.flux_density_t(place).ok_or(DesignError::NotBelow(place));
+    points.iter().map(|point| head.map_or_else(|| below(*point), |head| head.seen(*point, below))).collect()
 }
 
 /// Residuals of a film. Half the sum of their squares is the loss.

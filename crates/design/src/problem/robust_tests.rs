@@ -4,6 +4,7 @@
 use magsplice_layout::{Layout, Under};
 use magsplice_tolerance::{EvaluationGrid, FirstOrder, RealFilm};
 
+use crate::derivative_tests::HEADS;
 use crate::problem::design_problem::DesignProblem;
 
 const TABLES: &str = "format = 1\nname = \"film\"\n[ideal]\nwavelength_mm = 10.0\nthickness_mm = 1.0\namplitude_t = 0.12\n[volume]\nx_mm = [-1.5, 2.0]\n\
@@ -19,6 +20,11 @@ const SHARED_ERRORS: &str = "film = { position_mm = [0.1, 0.05, 0.08], rotation_
                              sensor = { offset_ut = 3.0, rotation_deg = [0.5, 0.4, 0.3], gain = 0.01, noise_ut = 5.0 }\n\
                              [[tolerance.group]]\nname = \"pair\"\ntiles = [\"a\", \"b\"]\nposition_mm = 0.07\nrotation_deg = 0.6\nsize_mm = 0.02\n\
                              strength = 0.02\ndirection_deg = [0.9, 0.5]\n";
+
+/// Errors that sensors have by themselves, beside those of `SHARED_ERRORS`.
+fn with_displaced_sensors(errors: &str) -> String {
+    errors.replace("sensor = {", "sensor = { position_mm = [0.04, 0.03, 0.05],")
+}
 
 const PAIR: &str = "[[tile]]\nname = \"a\"\nposition_mm = [1.5, 0.3, 0.5]\nsize_mm = [3.0, 2.0, 1.0]\npolarization_t = [0.12, 0.05, 0.01]\n\
                     [[tile]]\nname = \"b\"\nposition_mm = [-2.0, -0.4, 0.5]\nsize_mm = [2.0, 2.5, 1.0]\npolarization_t = [-0.1, 0.03, 0.0]\n";
@@ -49,6 +55,17 @@ fn published(symmetry: &str) -> Layout {
     layout
 }
 
+/// The published film below a head, with equal errors along x and y where `errors` has none of its
+/// own.
+fn published_below(head: &str, errors: &str) -> Layout {
+    let mut layout = published("four-fold");
+    let other = Layout::parse(&format!("{TABLES}{errors}{PAIR}{head}"), "test").unwrap_or_else(|e| panic!("{e}"));
+    layout.sensor = other.sensor;
+    let tolerance = layout.tolerance.as_mut().expect("errors");
+    tolerance.common = other.tolerance.expect("errors").common;
+    layout
+}
+
 /// Two independent ways to the same number: the model of first order has no symmetry, no
 /// derivatives by variables, and other sums.
 #[test]
@@ -63,22 +80,49 @@ fn expected_square_is_that_of_the_model_of_first_order() {
         ("published", published("four-fold"), 12 * 56),
         ("published without symmetry", published("none"), 12 * 56),
     ] {
-        let problem = DesignProblem::new(&layout).unwrap_or_else(|e| panic!("{name}: {e}"));
-        let residuals = problem.least_squares.residuals(&problem.pattern, &problem.pattern.start, false).unwrap();
-        let film = RealFilm::new(&layout.bare_tiles(), layout.tolerance.as_ref().unwrap());
-        let volume = layout.volume.unwrap();
-        let volume = EvaluationGrid { grid: volume.grid, reference: volume.reference_mm };
-        let model = FirstOrder::new(&film, &volume, layout.ideal.as_ref().unwrap()).unwrap();
-        assert!(model.terms().len() >= terms, "{name}: {} terms", model.terms().len());
-        let weighted = |of: &dyn Fn(usize) -> f64| -> f64 {
-            (0..3).map(|axis| problem.least_squares.objective.weights[axis].powi(2) * of(axis)).sum()
-        };
-        let expected = weighted(&|axis| model.axis_errors(axis).expected_mm2);
-        let nominal = weighted(&|axis| model.axis_errors(axis).nominal_mm2);
-        let found = 2.0 * residuals.loss();
-        assert!((found / expected - 1.0).abs() < 1e-9, "{name}: {found} is not {expected}");
-        assert!(expected > 1.0001 * nominal, "{name}: the errors count for nothing");
+        assert_square_is_that_of_the_model_of_first_order(name, &layout, terms);
     }
+}
+
+/// As above below heads: boards with the symmetry of the film and without, errors of sensors that
+/// differ along x and y and that do not.
+#[test]
+fn expected_square_below_a_head_is_that_of_the_model_of_first_order() {
+    let vary = "vary = [\"size\"]";
+    let shared = with_displaced_sensors(&format!("{TILE_ERRORS}{SHARED_ERRORS}"));
+    let with_images = shared.replace(r#"["a", "b"]"#, r#"["a*"]"#);
+    let equal = "[tolerance]\nsensor = { position_mm = 0.03, offset_ut = 3.0, rotation_deg = 0.5, gain = 0.01, noise_ut = 5.0 }\n";
+    for head in HEADS {
+        let below = |errors: &str, design: &str, tiles: &str| layout(errors, design, &format!("{tiles}{head}"));
+        let mirror = format!("{vary}\nsymmetry = \"mirror\"");
+        for (name, layout, terms) in [
+            ("alone", below(&shared, vary, PAIR), 30),
+            ("mirrored", below(&with_images, &mirror, MIRRORED), 30),
+            ("published, equal errors", published_below(head, equal), 12 * 56),
+            ("published, other errors", published_below(head, &shared), 12 * 56),
+        ] {
+            assert_square_is_that_of_the_model_of_first_order(&format!("{name}, {head}"), &layout, terms);
+        }
+    }
+}
+
+fn assert_square_is_that_of_the_model_of_first_order(name: &str, layout: &Layout, terms: usize) {
+    let problem = DesignProblem::new(layout).unwrap_or_else(|e| panic!("{name}: {e}"));
+    let residuals = problem.least_squares.residuals(&problem.pattern, &problem.pattern.start, false).unwrap();
+    let film = RealFilm::new(&layout.bare_tiles(), layout.tolerance.as_ref().unwrap());
+    let film = film.with_head(layout.head().cloned());
+    let volume = layout.volume.unwrap();
+    let volume = EvaluationGrid { grid: volume.grid, reference: volume.reference_mm };
+    let model = FirstOrder::new(&film, &volume, layout.ideal.as_ref().unwrap()).unwrap();
+    assert!(model.terms().len() >= terms, "{name}: {} terms", model.terms().len());
+    let weighted = |of: &dyn Fn(usize) -> f64| -> f64 {
+        (0..3).map(|axis| problem.least_squares.objective.weights[axis].powi(2) * of(axis)).sum()
+    };
+    let expected = weighted(&|axis| model.axis_errors(axis).expected_mm2);
+    let nominal = weighted(&|axis| model.axis_errors(axis).nominal_mm2);
+    let found = 2.0 * residuals.loss();
+    assert!((found / expected - 1.0).abs() < 1e-9, "{name}: {found} is not {expected}");
+    assert!(expected > 1.0001 * nominal, "{name}: the errors count for nothing");
 }
 
 /// Central differences in every variable, for errors of every kind. See
@@ -87,15 +131,21 @@ fn expected_square_is_that_of_the_model_of_first_order() {
 fn derivatives_of_the_expected_square_agree_with_central_differences() {
     let all = "\"thickness\", \"direction\", \"tilt\", \"strength\"]\nweights = { r_x = 1.0, r_y = 2.0, s_z = 0.5 }";
     let shared = format!("{TILE_ERRORS}{SHARED_ERRORS}");
-    for (design, tiles) in [
-        (format!("vary = [\"size\", \"position\", {all}\nsymmetry = \"mirror\""), MIRRORED),
-        (format!("vary = [\"cut\", {all}\nsymmetry = \"mirror\""), MIRRORED),
-        (format!("vary = [\"size\", {all}"), PAIR),
-        (format!("vary = [\"position\", {all}"), PAIR),
+    let with_sensors = with_displaced_sensors(&shared);
+    let mirrored = format!("vary = [\"size\", \"position\", {all}\nsymmetry = \"mirror\"");
+    for (errors, design, tiles, head) in [
+        (&shared, mirrored.clone(), MIRRORED, ""),
+        (&shared, format!("vary = [\"cut\", {all}\nsymmetry = \"mirror\""), MIRRORED, ""),
+        (&shared, format!("vary = [\"size\", {all}"), PAIR, ""),
+        (&shared, format!("vary = [\"position\", {all}"), PAIR, ""),
+        (&with_sensors, mirrored.clone(), MIRRORED, HEADS[0]),
+        (&with_sensors, mirrored.clone(), MIRRORED, HEADS[1]),
+        (&with_sensors, mirrored, MIRRORED, HEADS[2]),
+        (&with_sensors, format!("vary = [\"size\", {all}"), PAIR, HEADS[3]),
     ] {
         // Groups name tiles, and a mirrored tile is several.
-        let errors = if tiles == PAIR { &shared[..] } else { shared.split("[[").next().unwrap() };
-        let layout = layout(errors, &design, tiles);
+        let errors = if tiles == PAIR { &errors[..] } else { errors.split("[[").next().unwrap() };
+        let layout = layout(errors, &design, &format!("{tiles}{head}"));
         let problem = DesignProblem::new(&layout).unwrap_or_else(|e| panic!("{e}"));
         let (pattern, least_squares) = (&problem.pattern, &problem.least_squares);
         let start = &pattern.start;
@@ -135,8 +185,14 @@ fn curvature_is_the_product_of_the_derivatives_of_sensitivities() {
     // Noise at each point is no term of that model.
     let errors = format!("{TILE_ERRORS}{SHARED_ERRORS}").replace(", noise_ut = 5.0", "");
     let design = "vary = [\"size\", \"direction\", \"tilt\"]\nweights = { r_x = 1.0, r_y = 2.0, s_z = 0.5 }";
-    let layout = layout(&errors, design, PAIR);
-    let problem = DesignProblem::new(&layout).unwrap_or_else(|e| panic!("{e}"));
+    assert_curvature(&layout(&errors, design, PAIR));
+    for head in HEADS {
+        assert_curvature(&layout(&with_displaced_sensors(&errors), design, &format!("{PAIR}{head}")));
+    }
+}
+
+fn assert_curvature(layout: &Layout) {
+    let problem = DesignProblem::new(layout).unwrap_or_else(|e| panic!("{e}"));
     let (pattern, least_squares) = (&problem.pattern, &problem.least_squares);
     let n = pattern.start.len();
     let expected = least_squares.residuals(pattern, &pattern.start, true).unwrap().expected.unwrap();
@@ -145,7 +201,7 @@ fn curvature_is_the_product_of_the_derivatives_of_sensitivities() {
     // All sensitivities times deviations, weighted like residuals.
     let rows = |variables: &[f64]| -> Vec<f64> {
         let tiles = pattern.all_tiles(variables).unwrap();
-        let film = RealFilm::new(&tiles, layout.tolerance.as_ref().unwrap());
+        let film = RealFilm::new(&tiles, layout.tolerance.as_ref().unwrap()).with_head(layout.head().cloned());
         let model = FirstOrder::new(&film, &volume, layout.ideal.as_ref().unwrap()).unwrap();
         let per_point = 1.0 / (volume.grid.len() as f64).sqrt();
         let of_axis = |axis: usize| -> Vec<f64> {

@@ -8,12 +8,13 @@ use magsplice_layout::Symmetry;
 use magsplice_magnet::Grid;
 
 use crate::problem::pattern::Pattern;
+use crate::problem::reading::Reading;
 use crate::problem::symmetry::SymmetryOperation;
 
 /// Coordinates that differ by less than this fraction of the extent are equal.
 const SAME_COORDINATE: f64 = 1e-9;
 
-/// A grid of points. The field is computed at one point of each set of images.
+/// A grid of points. The reading is computed at one point of each set of images.
 #[derive(Clone, Debug)]
 pub(crate) struct Sampling {
     pub(crate) grid: Grid,
@@ -23,23 +24,39 @@ pub(crate) struct Sampling {
     /// For each point of the grid, the index of a computed point and the operation that maps it
     /// there.
     images: Vec<(usize, SymmetryOperation)>,
-    /// The part of B that recoil adds at the computed points, in tesla; zero without recoil.
+    /// What is read at each point.
+    pub(crate) reading: Reading,
+    /// The places of the sensors at the computed points, sensor fastest.
+    places: Vec<DVec3>,
+    /// The part of B that recoil adds at the places, in tesla; zero without recoil.
     pub(crate) recoil_t: Vec<DVec3>,
     operations: Vec<SymmetryOperation>,
 }
 
-/// B in tesla at the computed points, and its derivatives with respect to the variables, variable
-/// fastest.
+/// B in tesla as read at the computed points, and its derivatives with respect to the variables,
+/// variable fastest.
 #[derive(Clone, Debug)]
 pub(crate) struct SampledField {
     pub(crate) flux_density_t: Vec<DVec3>,
     pub(crate) derivatives: Vec<DVec3>,
     pub(crate) variable_count: usize,
+    /// The same at the places of each sensor of a head; `None` for a single sensor.
+    at_places: Option<PlaceFields>,
+}
+
+/// B and its derivatives at places, variable fastest.
+#[derive(Clone, Debug)]
+struct PlaceFields {
+    flux_density_t: Vec<DVec3>,
+    derivatives: Vec<DVec3>,
 }
 
 impl Sampling {
-    pub(crate) fn new(grid: Grid, reference: DVec3, symmetry: Symmetry) -> Sampling {
+    pub(crate) fn new(grid: Grid, reference: DVec3, symmetry: Symmetry, reading: Reading) -> Sampling {
         let operations = SymmetryOperation::all(symmetry);
+        // The reading at the image of a point is the image of the reading if the board is its own.
+        let keeping: Vec<SymmetryOperation> =
+            operations.iter().copied().filter(|operation| reading.is_kept_by(*operation)).collect();
         let unit = SAME_COORDINATE * grid.lower().abs().max(grid.upper().abs()).max_element().max(f64::MIN_POSITIVE);
         let key = |p: DVec3| (p / unit).round().to_array().map(|c| c as i64);
         let mut computed: Vec<DVec3> = Vec::new();
@@ -49,7 +66,7 @@ impl Sampling {
             .points()
             .map(|point| {
                 *known.entry(key(point)).or_insert_with(|| {
-                    let found = operations.iter().find_map(|operation| {
+                    let found = keeping.iter().find_map(|operation| {
                         let image = operation.inverse().apply(point);
                         indices.get(&key(image)).map(|index| (*index, *operation))
                     });
@@ -62,12 +79,18 @@ impl Sampling {
             })
             .collect();
         computed.push(reference);
-        let recoil_t = vec![DVec3::ZERO; computed.len()];
-        Sampling { grid, reference, computed, images, recoil_t, operations }
+        let places = reading.places(&computed);
+        let recoil_t = vec![DVec3::ZERO; places.len()];
+        Sampling { grid, reference, computed, images, reading, places, recoil_t, operations }
     }
 
     pub(crate) fn computed(&self) -> &[DVec3] {
         &self.computed
+    }
+
+    /// The places of the sensors at the computed points, sensor fastest.
+    pub(crate) fn places(&self) -> &[DVec3] {
+        &self.places
     }
 
     /// Weights of the points of the grid with which a sum over it equals a sum over another grid in
@@ -94,7 +117,8 @@ impl Sampling {
         &self.images
     }
 
-    /// Whether the symmetry operations map the grid and the reference point onto themselves.
+    /// Whether the symmetry operations map the grid, the reference point and the board onto
+    /// themselves.
     pub(crate) fn is_symmetric(&self) -> bool {
         let (lower, upper) = (self.grid.lower(), self.grid.upper());
         let slack = SAME_COORDINATE * lower.abs().max(upper.abs()).max_element();
@@ -104,6 +128,7 @@ impl Sampling {
             one.min(other).distance(lower) <= slack
                 && one.max(other).distance(upper) <= slack
                 && operation.apply(self.reference).distance(self.reference) <= slack
+                && self.reading.is_kept_by(*operation)
                 && (!operation.exchange || counts[0] == counts[1])
         })
     }
@@ -125,12 +150,35 @@ impl Sampling {
         on_axis.then(|| self.images.iter().flat_map(class).collect())
     }
 
-    /// The field of a film, with derivatives on request. `None` where a point lies on an edge of a
-    /// tile, or a side of a tile is not positive.
+    /// The field of a film as it is read, with derivatives on request. `None` where a place lies on
+    /// an edge of a tile, or a side of a tile is not positive.
     pub(crate) fn field(&self, pattern: &Pattern, variables: &[f64], with_derivatives: bool) -> Option<SampledField> {
         let variable_count = if with_derivatives { variables.len() } else { 0 };
+        let at_places = self.at_places(pattern, variables, variable_count)?;
+        if self.reading.is_single() {
+            let PlaceFields { flux_density_t, derivatives } = at_places;
+            return Some(SampledField { flux_density_t, derivatives, variable_count, at_places: None });
+        }
+        let sensors = self.reading.sensors().len();
+        let of_points = at_places.flux_density_t.chunks_exact(sensors);
+        let flux_density_t = of_points.map(|values| self.reading.sum(values.iter().copied())).collect();
+        let derivative = |first: usize, variable: usize| {
+            let of_sensor = |sensor| at_places.derivatives[(first + sensor) * variable_count + variable];
+            self.reading.sum((0..sensors).map(of_sensor))
+        };
+        let firsts = (0..self.places.len()).step_by(sensors);
+        let derivatives = firsts
+            .flat_map(|first| (0..variable_count).map(move |variable| (first, variable)))
+            .map(|(first, variable)| derivative(first, variable))
+            .collect();
+        Some(SampledField { flux_density_t, derivatives, variable_count, at_places: Some(at_places) })
+    }
+
+    /// The field of a film at the places of the sensors, with derivatives by variables.
+    fn at_places(&self, pattern: &Pattern, variables: &[f64], variable_count: usize) -> Option<PlaceFields> {
+        let with_derivatives = variable_count > 0;
         let mut flux_density_t = self.recoil_t.clone();
-        let mut derivatives = vec![DVec3::ZERO; self.computed.len() * variable_count];
+        let mut derivatives = vec![DVec3::ZERO; self.places.len() * variable_count];
         for variable_tile in &pattern.tiles {
             let tile = variable_tile.tile(variables)?;
             let j = tile.polarization_t();
@@ -141,12 +189,12 @@ impl Sampling {
                 .orbit
                 .images
                 .iter()
-                .flat_map(|(operation, _)| self.computed.iter().map(|point| operation.inverse().apply(*point)))
+                .flat_map(|(operation, _)| self.places.iter().map(|place| operation.inverse().apply(*place)))
                 .collect();
             let map = PolarizationMap::new(&[tile], &mapped).ok()?;
             for (image, (operation, _)) in variable_tile.orbit.images.iter().enumerate() {
-                for index in 0..self.computed.len() {
-                    let row = image * self.computed.len() + index;
+                for index in 0..self.places.len() {
+                    let row = image * self.places.len() + index;
                     let by_j = matrix(&map, row);
                     flux_density_t[index] += operation.apply(by_j * j);
                     if !with_derivatives {
@@ -173,7 +221,7 @@ impl Sampling {
                 }
             }
         }
-        Some(SampledField { flux_density_t, derivatives, variable_count })
+        Some(PlaceFields { flux_density_t, derivatives })
     }
 }
 
@@ -196,6 +244,12 @@ impl SampledField {
     pub(crate) fn derivatives_at(&self, point: usize) -> &[DVec3] {
         &self.derivatives[point * self.variable_count..][..self.variable_count]
     }
+
+    /// The field at one of the places, with its derivatives. `None` for a single sensor.
+    pub(crate) fn at_place(&self, place: usize) -> Option<(DVec3, &[DVec3])> {
+        let PlaceFields { flux_density_t, derivatives } = self.at_places.as_ref()?;
+        Some((flux_density_t[place], &derivatives[place * self.variable_count..][..self.variable_count]))
+    }
 }
 
 /// B at a point for unit polarizations along the axes of the tile, by columns.
@@ -211,7 +265,7 @@ mod tests {
     fn sampling(lower: [f64; 3], upper: [f64; 3], counts: [usize; 3], reference: [f64; 3]) -> [Sampling; 3] {
         let grid = Grid::new(lower.into(), upper.into(), counts).unwrap();
         [Symmetry::None, Symmetry::Mirror, Symmetry::FourFold]
-            .map(|symmetry| Sampling::new(grid, reference.into(), symmetry))
+            .map(|symmetry| Sampling::new(grid, reference.into(), symmetry, Reading::new(None)))
     }
 
     /// Whether the operations of no symmetry, of the mirrors and of all four folds map grid and

@@ -7,6 +7,7 @@ use magsplice_magnet::{PerTileError, Tile, TileError};
 use magsplice_tolerance::direction_normal;
 
 use crate::problem::pattern::VariableTile;
+use crate::problem::reading::Reading;
 use crate::problem::sampling::matrix;
 
 /// Numbers of a tile: the coordinates of its faces, each at twice its axis plus its side;
@@ -28,6 +29,19 @@ pub(crate) struct TileResponse {
     pub(crate) by_error: PerTileError<DVec3>,
     /// Their derivatives with respect to the numbers of the tile.
     pub(crate) derivatives: PerTileError<[DVec3; NUMBERS]>,
+}
+
+impl TileResponse {
+    /// Adds the response at the place of a sensor with this weight.
+    fn add(&mut self, weight: DVec3, at_sensor: &TileResponse) {
+        for (error, change) in self.by_error.iter_mut() {
+            *change += weight * at_sensor.by_error[error];
+        }
+        for (error, derivatives) in self.derivatives.iter_mut() {
+            let own = derivatives.iter_mut().zip(&at_sensor.derivatives[error]);
+            own.for_each(|(sum, by)| *sum += weight * *by);
+        }
+    }
 }
 
 /// A tile prepared for its responses at many points.
@@ -79,8 +93,22 @@ impl RespondingTile {
         })
     }
 
+    /// The responses of what is read at points. `None` where a place lies on an edge of the tile.
+    pub(crate) fn read(&self, reading: &Reading, points: &[DVec3]) -> Option<Vec<TileResponse>> {
+        if reading.is_single() {
+            return self.at(points);
+        }
+        let of_point = |point: &DVec3| {
+            let at_sensors = self.at(&reading.places(&[*point]))?;
+            let mut sum = TileResponse::default();
+            reading.sensors().iter().zip(&at_sensors).for_each(|(sensor, response)| sum.add(sensor.weight, response));
+            Some(sum)
+        };
+        points.iter().map(of_point).collect()
+    }
+
     /// The responses at points. `None` where a point lies on an edge of the tile.
-    pub(crate) fn at(&self, points: &[DVec3]) -> Option<Vec<TileResponse>> {
+    fn at(&self, points: &[DVec3]) -> Option<Vec<TileResponse>> {
         let map = PolarizationMap::new(&[self.tile], points).ok()?;
         points.iter().enumerate().map(|(row, point)| self.response(*point, matrix(&map, row))).collect()
     }

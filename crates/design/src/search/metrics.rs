@@ -3,10 +3,13 @@
 use glam::DVec3;
 use magsplice_decouple::{Decoupling, Figures, PerParameter};
 use magsplice_field::Scene;
+use magsplice_head::SensorHead;
 use magsplice_ideal::{Comparison, IdealFilm};
 use magsplice_magnet::{Grid, Quantity, Tile};
 
 use crate::error::DesignError;
+use crate::problem::objective::ideal_field_t;
+use crate::problem::reading::Reading;
 
 /// Errors of a film over a grid, from its exact field.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -25,8 +28,8 @@ pub struct Metrics {
 }
 
 impl Metrics {
-    /// Evaluates tiles over a grid. Lengths in millimetres. Parameters change from those at
-    /// `reference`, which lies near the axis of the film.
+    /// Evaluates tiles over a grid, as a head or a single sensor reads them. Lengths in millimetres.
+    /// Parameters change from those at `reference`, which lies near the axis of the film.
     ///
     /// # Errors
     /// * [`DesignError::NotBelow`] if a point of the grid is not below the film;
@@ -36,16 +39,21 @@ impl Metrics {
     /// * [`DesignError::Comparison`] if the field cannot be compared with the ideal one.
     pub fn from_tiles(
         tiles: &[Tile],
+        head: Option<&SensorHead>,
         grid: &Grid,
         reference: DVec3,
         ideal: &IdealFilm,
     ) -> Result<Metrics, DesignError> {
         let points: Vec<DVec3> = grid.points().collect();
-        let of_ideal = |p: &DVec3| ideal.flux_density_t(*p).ok_or(DesignError::NotBelow(*p));
-        let ideal_field = points.iter().map(of_ideal).collect::<Result<Vec<DVec3>, _>>()?;
-        let scene = Scene::new(tiles);
-        let field = scene.field_at(Quantity::FluxDensity, &points).map_err(|_| DesignError::NoField)?;
-        let at_reference = scene.field(Quantity::FluxDensity, reference).map_err(|_| DesignError::NoField)?;
+        let ideal_field = ideal_field_t(ideal, head, &points)?;
+        let (scene, reading) = (Scene::new(tiles), Reading::new(head));
+        let at_places = scene.field_at(Quantity::FluxDensity, &reading.places(&points));
+        let at_places = at_places.map_err(|_| DesignError::NoField)?;
+        let of_point = |values: &[DVec3]| reading.sum(values.iter().copied());
+        let field: Vec<DVec3> = at_places.chunks_exact(reading.sensors().len()).map(of_point).collect();
+        let of_place = |place: DVec3| scene.field(Quantity::FluxDensity, place).map_err(|_| DesignError::NoField);
+        let at_reference = reading.places(&[reference]).into_iter().map(of_place).collect::<Result<Vec<_>, _>>()?;
+        let at_reference = of_point(&at_reference);
         let decoupling =
             Decoupling::from_field(grid, &field, (reference, at_reference), ideal).map_err(DesignError::Decoupling)?;
         if !decoupling.singular.is_empty() {

@@ -34,7 +34,7 @@ impl DesignProblem<'_> {
     /// # Errors
     /// If the polarization is not known.
     pub(crate) fn real_film(&self, tiles: &[Tile], tolerance: &FilmTolerance) -> Result<RealFilm, DesignError> {
-        let film = RealFilm::new(tiles, tolerance);
+        let film = RealFilm::new(tiles, tolerance).with_head(self.layout.head().cloned());
         Ok(match self.magnetization(tiles)? {
             None => film,
             Some(solution) => {
@@ -66,9 +66,9 @@ impl DesignProblem<'_> {
         if !self.layout.has_recoil() {
             return Ok(0.0);
         }
-        let points = self.least_squares.sampling.computed().to_vec();
+        let places = self.least_squares.sampling.places().to_vec();
         let field_t = |tiles: &[Tile]| {
-            Scene::new(tiles).field_at(Quantity::FluxDensity, &points).map_err(|_| DesignError::NoField)
+            Scene::new(tiles).field_at(Quantity::FluxDensity, &places).map_err(|_| DesignError::NoField)
         };
         let (rigid_t, with_t) = (field_t(tiles)?, field_t(&self.cells(tiles)?)?);
         let added_t: Vec<DVec3> = with_t.iter().zip(&rigid_t).map(|(with, rigid)| *with - *rigid).collect();
