@@ -84,10 +84,7 @@ impl Film {
         let tiles = self.layout().tiles.len() as f64;
         let volume = self.evaluation_grid(BYTES_OF_SAMPLES + BYTES_PER_TILE * tiles)?;
         let (real, ideal) = (self.real_film()?, self.ideal()?);
-        let of_sample = |(sample, error): (u64, SampleError)| match error {
-            SampleError::Head => FilmError::Head("a budget is of one sensor"),
-            error => FilmError::Sample { sample, error },
-        };
+        let of_sample = |(sample, error): (u64, SampleError)| FilmError::Sample { sample, error };
         let in_film = real.in_film(real.tiles()).map_err(|faults| of_sample((0, SampleError::Tile(faults))))?;
         let pattern: Result<Figures, EndlessPatternError> =
             EndlessPattern::new(&in_film, ideal).and_then(|pattern| match self.head() {
