@@ -98,13 +98,13 @@ impl RespondingTile {
         if reading.is_single() {
             return self.at(points);
         }
-        let of_point = |point: &DVec3| {
-            let at_sensors = self.at(&reading.places(&[*point]))?;
+        let at_places = self.at(&reading.places(points))?;
+        let of_point = |at_sensors: &[TileResponse]| {
             let mut sum = TileResponse::default();
-            reading.sensors().iter().zip(&at_sensors).for_each(|(sensor, response)| sum.add(sensor.weight, response));
-            Some(sum)
+            reading.sensors().iter().zip(at_sensors).for_each(|(sensor, response)| sum.add(sensor.weight, response));
+            sum
         };
-        points.iter().map(of_point).collect()
+        Some(at_places.chunks_exact(reading.sensors().len()).map(of_point).collect())
     }
 
     /// The responses at points. `None` where a point lies on an edge of the tile.
