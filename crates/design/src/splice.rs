@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use glam::DVec3;
+use magsplice_head::Board;
 use magsplice_ideal::IdealFilm;
 use magsplice_layout::{
     Brief, FilmTolerance, Goal, Layout, LayoutError, LayoutFault, MAX_LENGTH_RATIO, NamedTile, Outline, Preset,
@@ -48,6 +49,9 @@ pub struct SpliceRequest {
     pub preset: Option<Preset>,
     /// The sensor below the film. Default: none.
     pub sensor: Option<StatedSensor>,
+    /// The board of a head of such sensors, and their spacing where it is not that of the board.
+    /// Default: one sensor.
+    pub head: Option<(Board, Option<f64>)>,
     /// Goal and demands of the search. The request itself sets the free parameters, the symmetry,
     /// the outline and the shortest side. Default: the displacement, with an amplitude of at least
     /// 0.65.
@@ -84,6 +88,7 @@ impl SpliceRequest {
             smallest_cut_mm: fraction(SMALLEST_CUT),
             preset: None,
             sensor: None,
+            head: None,
             brief: Brief { goal: Goal::Displacement, least_amplitude: Some(0.65), ..Brief::default() },
         }
     }
@@ -107,7 +112,7 @@ impl SpliceRequest {
             ideal: IdealFilm::new(self.wavelength_mm, self.thickness_mm, self.remanence_t).ok(),
             volume: Some(self.volume().map_err(refused)?),
             tiles: self.tiles().map_err(|fault| refused(vec![fault]))?,
-            sensor: self.sensor.clone(),
+            sensor: self.sensor_or_head().map_err(refused)?,
             ..Layout::default()
         };
         let layout = unchecked.checked("spliced film").map_err(|error| {
@@ -121,6 +126,12 @@ impl SpliceRequest {
         let tiles = written.expect("a valid layout is a valid file").tiles;
         let tolerance = self.preset.map(|preset| FilmTolerance::of_tiles(&preset.errors(), tiles.len()));
         Ok(Layout { brief: Some(self.brief()), tolerance, tiles, ..layout })
+    }
+
+    fn sensor_or_head(&self) -> Result<Option<StatedSensor>, Vec<LayoutFault>> {
+        let Some((board, spacing_mm)) = self.head else { return Ok(self.sensor.clone()) };
+        let sensor = self.sensor.clone().unwrap_or_else(StatedSensor::perfect);
+        sensor.on_board(board, spacing_mm, self.wavelength_mm).map(Some)
     }
 
     fn tiles(&self) -> Result<Vec<NamedTile>, LayoutFault> {

@@ -60,6 +60,11 @@ pub(crate) struct ElementTable {
 }
 
 impl HeadKeys {
+    /// The keys of a board with a name.
+    pub(crate) fn of_board_named(board: Board, spacing_mm: Option<f64>) -> HeadKeys {
+        HeadKeys { head: Some(board), spacing_mm, element: Vec::new() }
+    }
+
     /// Whether the keys describe a head.
     pub(crate) fn is_given(&self) -> bool {
         self.head.is_some() || self.spacing_mm.is_some() || !self.element.is_empty()

@@ -1,10 +1,12 @@
 //! `[sensor]`: the three-axis Hall sensor below the film.
 
 use glam::DVec3;
+use magsplice_head::Board;
 use magsplice_magnet::{Axis, HallSensor};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::error::LayoutFault;
 use crate::faults::{Faults, POSITIVE};
 use crate::hall_keys::{HallKeys, StatedHall};
 use crate::head::{HeadKeys, StatedHead};
@@ -112,9 +114,51 @@ impl StatedSensor {
     }
 }
 
+impl StatedSensor {
+    /// A sensor without errors, noise or limits.
+    pub fn perfect() -> StatedSensor {
+        let sensor = SensorTable::default().resolve(None, &Place::default(), &mut Faults::new(""));
+        sensor.expect("a table without keys is valid")
+    }
+
+    /// A head of sensors like this one, on a board below an ideal film of this wavelength. Lengths
+    /// in millimetres; without a spacing the board has its own, or half a wavelength.
+    ///
+    /// # Errors
+    /// If the board needs another spacing, or none of the spacings that it can have is valid.
+    pub fn on_board(
+        &self,
+        board: Board,
+        spacing_mm: Option<f64>,
+        wavelength_mm: f64,
+    ) -> Result<StatedSensor, Vec<LayoutFault>> {
+        let table = SensorTable { head: HeadKeys::of_board_named(board, spacing_mm), ..SensorTable::from(self) };
+        let mut faults = Faults::new("");
+        let sensor = table.resolve(Some(wavelength_mm), &Place::default(), &mut faults);
+        // No file has a line of the board.
+        let unplaced = |fault: LayoutFault| LayoutFault { line: None, ..fault };
+        sensor.ok_or_else(|| faults.into_sorted().into_iter().map(unplaced).collect())
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// The keys of a part stay, and the spacing of a board follows the rules of a file.
+    #[test]
+    fn a_sensor_becomes_a_head_on_a_board() {
+        let part = StatedSensor::of_part("MLX90393").expect("a part");
+        let head = |board: Board, spacing_mm: Option<f64>| part.on_board(board, spacing_mm, 10.0);
+        let cross = head(Board::Cross, None).expect("a head");
+        let sensors = cross.head.as_ref().expect("a head").sensors.elements.clone();
+        assert_eq!((sensors.len(), sensors[4].place), (5, DVec3::new(5.0, 5.0, 0.0)));
+        assert_eq!((cross.part.as_deref(), sensors[4].sensor), (Some("MLX90393"), part.element));
+        let faults = |board: Board, spacing_mm: Option<f64>| head(board, spacing_mm).expect_err("refused").len();
+        assert_eq!([faults(Board::PairZ, None), faults(Board::PairZ, Some(-1.0))], [1, 1]);
+        assert_eq!(faults(Board::Reskin, Some(5.0)), 1);
+        assert_eq!(StatedSensor::perfect().element, HallSensor::default());
+    }
 
     #[test]
     fn a_part_is_found_by_its_name_alone() {

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::ValueEnum;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use magsplice::design::{DesignError, DesignProblem, MadeFilms, SearchResult, SpliceRequest, distances_of};
+use magsplice::head::Board;
 use magsplice::layout::{self, Brief, FilmTolerance, Goal, StatedSensor, Under};
 
 use super::design::search::{self, Origin};
@@ -86,6 +87,13 @@ pub(crate) struct SpliceArgs {
     #[arg(long, value_name = "PART", ignore_case = true,
         value_parser = sensor_part())]
     sensor: Option<Box<StatedSensor>>,
+    /// Board of several such sensors, read as one weighted sum, for the table [sensor] of the film
+    #[arg(long, value_name = "BOARD", value_parser = board())]
+    head: Option<Board>,
+    /// Distance of the sensors of --head, in mm [default: half the wavelength; pair-z needs it, and
+    /// reskin has its own]
+    #[arg(long, value_name = "LENGTH", value_parser = length_mm, allow_hyphen_values = true, requires = "head")]
+    spacing: Option<f64>,
     /// Error to minimize
     #[arg(long, value_enum, default_value = "displacement")]
     goal: GoalArg,
@@ -119,6 +127,7 @@ impl SpliceArgs {
             smallest_cut_mm: self.smallest_cut.unwrap_or(default.smallest_cut_mm),
             preset: self.preset.map(layout::Preset::from),
             sensor: self.sensor.as_deref().cloned(),
+            head: self.head.map(|board| (board, self.spacing)),
             brief: Brief {
                 gap_mm: self.gap,
                 resolution_mm: self.resolution,
@@ -195,6 +204,13 @@ fn evaluate_as_made(problem: &DesignProblem, result: &mut SearchResult, given: O
         Ok(made) => result.made = Some(MadeFilms { preset: given.is_none().then_some(preset), ..made }),
         Err(missed) => result.short_of.push(missed),
     }
+}
+
+/// Parser of the names of boards.
+fn board() -> impl TypedValueParser<Value = Board> {
+    let known = |name: String| Board::ALL.into_iter().find(|board| board.name() == name);
+    PossibleValuesParser::new(Board::ALL.map(Board::name))
+        .map(move |name| known(name).expect("clap accepts known names only"))
 }
 
 /// Parser of the names of known parts.

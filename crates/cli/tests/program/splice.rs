@@ -36,6 +36,25 @@ fn splice_finds_a_film() {
         .refuses_arguments("two lengths with an x between them");
 }
 
+/// A film for five sensors, whose error is that of the film below them.
+#[test]
+fn splice_finds_a_film_for_a_head() {
+    let sandbox = Sandbox::new();
+    let request = ["splice", "--wavelength", "6", "--film", "12x12", "--starts", "1", "-o", "film.toml"];
+    let splice = |options: &[&str]| sandbox.run(&[&request[..], options].concat());
+    let said = splice(&["--head", "cross", "--spacing", "3mm"]);
+    assert_eq!(said.status, 0, "{}{}", said.stdout, said.stderr);
+    let text = sandbox.read("film.toml");
+    assert!(text.contains("head = \"cross\"") && text.contains("spacing_mm = 3.0"), "{text}");
+    assert_eq!(sandbox.run(&["check", "film.toml"]).status, 0);
+    let found = sandbox.run(&["decouple", "film.toml", "--format", "json"]);
+    let found: serde_json::Value = serde_json::from_str(&found.stdout).expect("JSON");
+    assert!(found["displacement_rmse_mm"]["x"].as_f64().expect("a number") < 0.002, "{found}");
+    splice(&["--head", "pair-z"]).refuses("head = \"pair-z\" has no distance of its sensors: give spacing_mm");
+    splice(&["--spacing", "3"]).refuses_arguments("--head <BOARD>");
+    splice(&["--head", "ring"]).refuses_arguments("pair-z, pair-xy, cross, reskin");
+}
+
 /// A film whose errors are above a tenth of the travel measures next to nothing.
 #[test]
 fn splice_reports_a_useless_film_and_the_limit_in_its_way() {
