@@ -5,7 +5,8 @@ use magsplice_layout::{Brief, Goal, Layout};
 use crate::problem::design_problem::DesignProblem;
 use crate::search::metrics::Metrics;
 
-/// Boards that mirrors keep, and boards that they do not; one of the latter has a weight for each axis.
+/// Boards that mirrors keep, and boards that they do not; one of the latter has a weight for each
+/// axis.
 pub(crate) const HEADS: [&str; 4] = [
     "[sensor]\nhead = \"pair-z\"\nspacing_mm = 2.0\n",
     "[sensor]\nhead = \"cross\"\n",

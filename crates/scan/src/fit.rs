@@ -47,7 +47,7 @@ const CLOSE: f64 = 0.3;
 
 /// Residual of a fit from another start, over the residual from a perfect scan, above which the
 /// scan has no exchanged axes: they are a strong claim.
-pub(crate) const BETTER: f64 = 0.5;
+const BETTER: f64 = 0.5;
 
 /// Largest residual over the root mean square of the readings. A film as made has a few per cent,
 /// a film of the same wavelength with other tiles from ten. No parameters are reported beyond it.

@@ -5,7 +5,7 @@ use thiserror::Error;
 
 use crate::exclusion::Plateau;
 use crate::parameters::ScanParameter;
-use crate::turn::FilmTurn;
+use crate::turned_film::FilmTurn;
 
 /// The reason why a scan cannot be fitted.
 #[derive(Clone, Debug, Error, PartialEq)]

@@ -39,8 +39,10 @@ mod signed_axes;
 mod starts;
 /// The tile that most likely has another strength.
 mod suspect;
-/// A film turned against the positions.
+/// The search for a turn of a film.
 mod turn;
+/// A turn of a film against the positions.
+mod turned_film;
 /// Units that are given by mistake.
 mod units;
 
@@ -57,5 +59,6 @@ pub use positions::ScanPositions;
 pub use sample_scan::{SampleScan, SampleScanError};
 pub use signed_axes::SignedAxes;
 pub use suspect::suspect_strength;
-pub use turn::{FilmTurn, film_turn};
+pub use turn::film_turn;
+pub use turned_film::FilmTurn;
 pub use units::FLUX_DENSITIES;

@@ -1,11 +1,12 @@
-//! A film that was turned about z against the positions of its scan.
+//! The search for a turn of a film about z against the positions of its scan.
 
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 
 use crate::exclusion::Exclusion;
-use crate::fit::{BETTER, ScanField, fit_from};
+use crate::fit::{ScanField, fit_from};
 use crate::parameters::{FreeParameters, ScanParameters};
 use crate::starts::{Start, oriented, sparse};
+use crate::turned_film::{FilmTurn, middle};
 
 /// Largest turn that is searched, in degrees. Larger ones are an exchange of axes and the rest.
 const MOST_DEG: f64 = 45.0;
@@ -32,39 +33,6 @@ const SECTIONS: usize = 12;
 
 /// Share of an interval that a golden section keeps.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
-
-/// A turn of the film about z against the positions of a scan.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct FilmTurn {
-    /// The angle, right-handed about z, to 0.02 degrees.
-    pub angle_deg: f64,
-    /// Standard deviation of the residuals of one component with it.
-    pub residual_t: f64,
-}
-
-impl FilmTurn {
-    /// The scan in the frame of the film: positions about their middle and readings, turned back.
-    pub fn undone(&self, points: &[DVec3], readings_t: &[DVec3]) -> (Vec<DVec3>, Vec<DVec3>) {
-        let (middle, back) = (middle(points), FilmTurn::back(self.angle_deg));
-        let places = points.iter().map(|point| middle + back * (*point - middle)).collect();
-        (places, readings_t.iter().map(|reading_t| back * *reading_t).collect())
-    }
-
-    /// Whether it leaves less than half of the residual without a turn.
-    pub fn explains(&self, residual_t: f64) -> bool {
-        self.residual_t < BETTER * residual_t
-    }
-
-    fn back(angle_deg: f64) -> DMat3 {
-        DMat3::from_rotation_z(-angle_deg.to_radians())
-    }
-}
-
-/// The middle of a scan.
-fn middle(points: &[DVec3]) -> DVec3 {
-    let [lower, upper] = [DVec3::min, DVec3::max].map(|bound| points.iter().copied().reduce(bound).unwrap_or_default());
-    0.5 * (lower + upper)
-}
 
 /// The turn of a film with which it explains a scan best, if that is no turn of less than 0.5
 /// degrees. The sensor may be turned and have an offset, and the scan may start elsewhere; the

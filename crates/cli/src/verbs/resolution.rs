@@ -24,8 +24,8 @@ use crate::text::{header, rows};
 /// y and z: by the exact field (the bound of Cramér and Rao; no unbiased estimate from one reading
 /// has smaller ones), and, with [ideal], by the closed form of the ideal film (Dai 2024, Eqs. 14
 /// and 15). With a head, both are of the weighted sum, and a reading of each sensor gives others,
-/// with a known stray field and with one that is fitted. The text has their root mean squares over the volume, and the largest. With -o, a table
-/// of every point is written.
+/// with a known stray field and with one that is fitted. The text has their root mean squares over
+/// the volume, and the largest. With -o, a table of every point is written.
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  magsplice resolution layouts/published-film.toml --noise 5uT\n  \
     magsplice resolution film.toml --noise 5uT,5uT,8uT -o resolution.vti")]

@@ -111,8 +111,9 @@ mod tests {
         Reading { sensors: places.iter().zip(weights).map(sensor).collect() }
     }
 
-    /// A pair above each other is kept by all symmetries, and so are the corners of a square. A pair
-    /// aside is kept by the exchange of x and y alone, unless its weights differ along x and y.
+    /// A pair above each other is kept by all symmetries, and so are the corners of a square. A
+    /// pair aside is kept by the exchange of x and y alone, unless its weights differ along x and
+    /// y.
     #[test]
     fn boards_are_kept_by_their_symmetries() {
         let kept = |reading: &Reading| {

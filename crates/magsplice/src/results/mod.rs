@@ -38,7 +38,7 @@ mod found_film;
 /// The films of a trade-off.
 #[cfg(feature = "design")]
 mod front;
-/// Positions of a head by the readings of all its sensors.
+/// What the readings of all sensors of a head tell.
 mod head_fits;
 /// The head of a film in numbers.
 mod head_summary;
@@ -68,12 +68,15 @@ mod sampled_scan;
 mod samples;
 /// A measured scan, fitted.
 mod scan;
+/// Positions of a head from the readings of all its sensors.
+mod sensors_readings;
 /// Numbers with as many digits as a person would write.
 mod significant;
 /// Layout, program and accuracy of a result.
 mod source;
 /// [`Table`]: rows, quantities and metadata, from which every format is written.
 mod table;
+/// The search for errors of tiles in a scan.
 mod tile_search;
 
 pub use assignment::{FilmAssignment, Shim};

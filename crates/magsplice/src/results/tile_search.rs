@@ -112,9 +112,9 @@ impl TileSearch<'_> {
     }
 
     /// # Errors
-    /// [`FilmError::Scan`] if less than half as many errors of tiles explain the scan of a film that
-    /// was turned against the positions. Errors of every tile leave so much that the turn alone
-    /// does not.
+    /// [`FilmError::Scan`] if less than half as many errors of tiles explain the scan of a film
+    /// that was turned against the positions. Errors of every tile leave so much that the turn
+    /// alone does not.
     fn refuse_turned(&self, placed: &PlacedScan, diagnosis: &Diagnosis) -> Result<(), FilmError> {
         let Some(turn) = placed.turn() else { return Ok(()) };
         let (points_mm, field_t) = turn.undone(self.points_mm, self.field_t);

@@ -10,8 +10,8 @@ use crate::parameters::{FreeParameters, ScanParameter, ScanParameters};
 
 /// Prior deviation of the components of an identified error. It is far above the resolution of the
 /// scan, but small enough that unresolved components stay in the range of the model. A strength has
-/// that of a reversed tile: with 0.5, reversed tiles of films made by hand, read from afar, would be
-/// 8 % too near to the ordered strength.
+/// that of a reversed tile: with 0.5, reversed tiles of films made by hand, read from afar, would
+/// be 8 % too near to the ordered strength.
 const WIDE: PerTileError<f64> =
     PerTileError { position: [0.5; 3], rotation: [0.2; 3], size: [0.5; 3], strength: 2.0, direction: [0.2; 2] };
 

@@ -137,8 +137,8 @@ fn false_alarms_are_as_rare_as_stated() {
     assert_eq!((pair.degrees_of_freedom, pair.probability()), (0, None));
 }
 
-/// A chip with an offset of 100 uT contradicts the others. That of the centre looks most like a stray
-/// field of 50 uT and another position: its probability is 1e-3 alone.
+/// A chip with an offset of 100 uT contradicts the others. That of the centre looks most like a
+/// stray field of 50 uT and another position: its probability is 1e-3 alone.
 #[test]
 fn contradicting_sensors_are_named() {
     let (scene, grid) = film();

@@ -97,8 +97,8 @@ impl FirstOrder {
     /// The model of a film in a working volume.
     ///
     /// # Errors
-    /// If the parameters or the derivatives do not exist at a point of the volume, or the derivatives
-    /// need too much memory.
+    /// If the parameters or the derivatives do not exist at a point of the volume, or the
+    /// derivatives need too much memory.
     pub fn new(film: &RealFilm, volume: &EvaluationGrid, ideal: &IdealFilm) -> Result<FirstOrder, SampleError> {
         let sampler = Sampler::new(film, volume, ideal, 0)?;
         let points = sampler.points();
