@@ -3,7 +3,7 @@
 
 use plotters::prelude::RGBColor;
 
-use crate::sheet::{DrawResult, INK, Sheet};
+use crate::sheet::{DrawResult, INK, Sheet, rectangle};
 
 /// Components of J below this fraction of the largest |J| are not drawn.
 pub(crate) const VANISHING: f64 = 1e-6;
@@ -89,6 +89,16 @@ pub(crate) fn bracket_arms([left, top]: [f64; 2], [right, bottom]: [f64; 2], mos
     ];
     let arms = corners.map(|(x, inwards, y, down)| [[[x, y], [x + inwards, y]], [[x, y], [x, y + down]]]);
     std::array::from_fn(|i| arms[i / 2][i % 2])
+}
+
+/// Half the side of the mark of a sensor, in pixels.
+pub(crate) const SENSOR_PX: f64 = 5.0;
+
+/// Draws the mark for a sensor: a chip with a dot where it reads.
+pub(crate) fn sensor_mark(sheet: &Sheet, [x, y]: [f64; 2]) -> DrawResult {
+    let corners = rectangle([x - SENSOR_PX, y - SENSOR_PX], [x + SENSOR_PX, y + SENSOR_PX]);
+    sheet.shape(&corners, RGBColor(255, 255, 255), INK, 1.6)?;
+    sheet.disc([x, y], 0.3 * SENSOR_PX, INK)
 }
 
 /// Draws the mark for a vector out of the plane: a dot in a circle if it points `up`, towards the

@@ -8,7 +8,7 @@ use crate::colours::{DirectionColours, light};
 use crate::csv::{csv, quoted};
 use crate::drawing::{Drawing, FigureDraft, SvgText};
 use crate::error::{DrawError, ReportError};
-use crate::marks::{BRACKET_WIDTH_PX, VANISHING, arrow, bracket_arms, corner_brackets, out_of_plane_mark};
+use crate::marks::{BRACKET_WIDTH_PX, VANISHING, arrow, bracket_arms, corner_brackets, out_of_plane_mark, sensor_mark};
 use crate::panel::{BELOW_PX, NUMBERS_PX, Panel};
 use crate::shared_ranges::SharedRanges;
 use crate::sheet::{DrawResult, INK, Sheet, sheet};
@@ -70,8 +70,27 @@ fn of_width(
         (quoted(&named.name) + ",", numbers.chain(named.tile.rotation().to_array()))
     };
     let header = "name,x_mm,y_mm,z_mm,size_x_mm,size_y_mm,size_z_mm,jx_t,jy_t,jz_t,qx,qy,qz,qw";
-    let drawn = draw(tiles, layout.tiles.len(), layout.volume.as_ref(), ranges, column_px);
+    let below = Below { volume: layout.volume.as_ref(), sensors: sensors_mm(layout) };
+    let drawn = draw(tiles, layout.tiles.len(), &below, ranges, column_px);
     FigureDraft::new(NAME, caption, drawn, csv(header, tiles.iter().map(row)))
+}
+
+/// What is drawn of the things below the film.
+struct Below<'a> {
+    volume: Option<&'a WorkingVolume>,
+    /// The places of the sensors of a head.
+    sensors: Vec<DVec3>,
+}
+
+/// The places of the sensors of a head whose board is at the reference point. None for one sensor.
+fn sensors_mm(layout: &Layout) -> Vec<DVec3> {
+    let head = layout.sensor.as_ref().and_then(|sensor| sensor.head.as_ref());
+    let places = layout
+        .volume
+        .as_ref()
+        .zip(head)
+        .map(|(volume, head)| head.sensors.elements.iter().map(|of| volume.reference_mm + of.place).collect());
+    places.unwrap_or_default()
 }
 
 /// The figure as SVG. `tiles` are the ones drawn, `all` is the number of tiles of the layout. The
@@ -79,7 +98,7 @@ fn of_width(
 fn draw(
     tiles: &[&NamedTile],
     all: usize,
-    volume: Option<&WorkingVolume>,
+    Below { volume, sensors }: &Below,
     ranges: &SharedRanges,
     column_px: Option<f64>,
 ) -> Result<String, DrawError> {
@@ -89,6 +108,7 @@ fn draw(
         Some(v) => (low.min(v.lower_mm), high.max(v.upper_mm)),
         None => (low, high),
     };
+    let (low, high) = sensors.iter().fold((low, high), |(low, high), place| (low.min(*place), high.max(*place)));
     let [x, y] = [("layout x", 0), ("layout y", 1)].map(|(key, axis)| ranges.widened(key, [low[axis], high[axis]]));
     let (low, high) = (DVec3::new(x[0], y[0], low.z), DVec3::new(x[1], y[1], high.z));
     let (longest, middle) = ((high - low).truncate().max_element(), 0.5 * (low + high));
@@ -135,6 +155,9 @@ fn draw(
         if let Some([upper_left, lower_right]) = corners {
             corner_brackets(sheet, upper_left, lower_right, BRACKET_PX)?;
         }
+        for place in sensors {
+            sensor_mark(sheet, panel.at(place.x, place.y))?;
+        }
         film_axes(sheet, &panel)?;
         let names = match nameless {
             0 if prefix.is_empty() => Vec::new(),
@@ -150,6 +173,7 @@ fn draw(
             tiles,
             all,
             volume: volume.is_some(),
+            sensors: sensors.len(),
             names: &names,
         };
         legend.draw(sheet, &painter.directions)

@@ -5,7 +5,7 @@ use magsplice::layout::NamedTile;
 use plotters::prelude::RGBColor;
 
 use crate::colours::{DirectionColours, Rgb, light};
-use crate::marks::{VANISHING, arrow, corner_brackets, out_of_plane_mark};
+use crate::marks::{VANISHING, arrow, corner_brackets, out_of_plane_mark, sensor_mark};
 use crate::sheet::{DrawResult, INK, LETTERS, PlotError, Sheet};
 use crate::typeset::{rounded, variable};
 
@@ -31,6 +31,8 @@ pub(super) struct LayoutLegend<'a> {
     pub(super) all: usize,
     /// Whether a working volume is drawn.
     pub(super) volume: bool,
+    /// Number of sensors that are drawn.
+    pub(super) sensors: usize,
     /// Lines about the names of the tiles.
     pub(super) names: &'a [String],
 }
@@ -73,6 +75,11 @@ impl LayoutLegend<'_> {
         if self.volume {
             corner_brackets(sheet, [left, y - 8.0], [left + 24.0, y + 8.0], 5.0)?;
             sheet.text([left + 34.0, y], "working volume", LETTERS)?;
+            y += 30.0;
+        }
+        if self.sensors > 0 {
+            sensor_mark(sheet, [left + 12.0, y])?;
+            sheet.text([left + 34.0, y], &format!("{} sensors at rest", self.sensors), LETTERS)?;
             y += 30.0;
         }
         Ok(y)
