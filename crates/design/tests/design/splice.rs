@@ -18,6 +18,7 @@ fn request() -> SpliceRequest {
         smallest_cut_mm: 0.9,
         preset: Some(Preset::Jig),
         sensor: StatedSensor::of_part("MLX90393"),
+        head: None,
         brief: Brief {
             gap_mm: 0.05,
             resolution_mm: 0.02,
