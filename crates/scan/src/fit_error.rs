@@ -91,7 +91,7 @@ pub enum ScanError {
     /// The film was turned against the positions.
     #[error(
         "the film as ordered explains the scan to {:.1} uT if it was turned by {:.1} deg about z against the positions: turn \
-         the positions by {:.1} deg, or the film", 1e6 * .0.residual_t, .0.angle_deg, -.0.angle_deg
+         positions and readings by {:.1} deg, or the film", 1e6 * .0.residual_t, .0.angle_deg, -.0.angle_deg
     )]
     Turned(FilmTurn),
     /// The steps did not converge.

@@ -67,11 +67,13 @@ pub fn film_turn<'a>(field: impl Into<ScanField<'a>>, points: &[DVec3], readings
     };
     let mut turns: Vec<(f64, f64)> = (-STEPS..=STEPS).filter_map(compared).collect();
     turns.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let fitted = |angle_deg: f64| -> FilmTurn {
+    let residual_t = |angle_deg: f64| -> f64 {
         let start = Start { parameters: sensor_turn(angle_deg), ..Start::PERFECT };
         let fit = fit_from(&field, &placed(angle_deg, points), &readings_t, &unusable, free, &start);
-        FilmTurn { angle_deg, residual_t: fit.map_or(f64::INFINITY, |fit| fit.noise_t) }
+        fit.map_or(f64::INFINITY, |fit| fit.noise_t)
     };
+    let unturned_t = residual_t(0.0);
+    let fitted = |angle_deg: f64| FilmTurn { angle_deg, residual_t: residual_t(angle_deg), unturned_t };
     let refined = turns.into_iter().take(REFINED).map(|(_, angle_deg)| least(angle_deg, fitted));
     let best = refined.min_by(|a, b| a.residual_t.total_cmp(&b.residual_t))?;
     (best.residual_t.is_finite() && best.angle_deg.abs() >= LEAST_DEG).then_some(best)

@@ -12,6 +12,9 @@ pub struct FilmTurn {
     pub angle_deg: f64,
     /// Standard deviation of the residuals of one component with it.
     pub residual_t: f64,
+    /// The same without a turn, by the same fit: it leaves out outliers. Infinite where that fit
+    /// fails.
+    pub unturned_t: f64,
 }
 
 impl FilmTurn {
@@ -22,9 +25,14 @@ impl FilmTurn {
         (places, readings_t.iter().map(|reading_t| back * *reading_t).collect())
     }
 
-    /// Whether it leaves less than half of the residual without a turn.
+    /// Whether it leaves less than half of the residual without a turn, that of another fit too.
     pub fn explains(&self, residual_t: f64) -> bool {
-        self.residual_t < EXPLAINED * residual_t
+        self.is_below(EXPLAINED, residual_t)
+    }
+
+    /// Whether it leaves less than a share of the residual without a turn, that of another fit too.
+    pub fn is_below(&self, share: f64, residual_t: f64) -> bool {
+        self.residual_t < share * residual_t.min(self.unturned_t)
     }
 
     pub(crate) fn back(angle_deg: f64) -> DMat3 {

@@ -183,6 +183,13 @@ impl<'a> HeadLocator<'a> {
         self.sum.grid()
     }
 
+    /// Enlarges the noise of all sensors, for example by sqrt(1 + 1/n) where the constant readings
+    /// are the mean of n readings.
+    pub fn with_noise_times(mut self, factor: f64) -> HeadLocator<'a> {
+        self.sensors.iter_mut().for_each(|of| of.deviation_t *= factor);
+        self
+    }
+
     /// The fit of each reading of the head: one reading of each sensor, in their order, in tesla.
     ///
     /// Gauss-Newton steps minimize the sum of the squared residuals over the noise. They begin

@@ -489,12 +489,12 @@ fn films_turned_on_the_stage_are_named() {
     let film = sandbox.published_with("[sensor]\nnoise_ut = 5");
     let names = "x_mm,y_mm,z_mm,bx_t,by_t,bz_t";
     write(&sandbox, names, &turned(&field(&sandbox), 12.0));
-    let named = "if it was turned by 12.0 deg about z against the positions: turn the positions by -12.0 deg";
+    let named = "if it was turned by 12.0 deg about z against the positions: turn positions and readings by -12.0 deg";
     sandbox.run(&["scan", &film, "scan.csv"]).refuses(named);
     sandbox.run(&["diagnose", &film, "--scan", "scan.csv"]).refuses(named);
     let sample = ["tolerance", "sample", &film, "--preset", "by-hand", "--scan", "made.csv", "-o", "made.toml"];
     assert_eq!(sandbox.run(&sample).status, 0);
     write(&sandbox, names, &turned(&rows(&sandbox.read("made.csv")), 10.0));
     let diagnose = ["diagnose", &film, "--scan", "scan.csv", "--preset", "by-hand"];
-    sandbox.run(&diagnose).refuses("deg about z against the positions: turn the positions by");
+    sandbox.run(&diagnose).refuses("deg about z against the positions: turn positions and readings by");
 }

@@ -53,8 +53,8 @@ impl HeadFits {
         };
         Some(format!(
             "the residual of {} of {located} readings is larger than the noise allows (in 1 of {} by chance): iron or a \
-             magnet is near, the film differs from the layout, or a sensor has other errors than stated; the deviations \
-             do not contain this{chip}",
+             magnet is near, the film differs from the layout, or sensors have another order, other axes, another unit \
+             or other errors than stated; the deviations do not contain this{chip}",
             large.len(),
             (1.0 / RESIDUAL_ALARM).round()
         ))

@@ -207,7 +207,8 @@ impl Film {
                 let squares: f64 = finite().map(|reading_t| reading_t.length_squared()).sum();
                 let reading_t = (squares / (3 * finite().count().max(1)) as f64).sqrt();
                 let turn = film_turn(field, points_mm, readings_t);
-                let turn = turn.filter(|turn| turn.residual_t < LARGE_SHARE * reading_t);
+                let is_small = |turn: &FilmTurn| turn.residual_t < LARGE_SHARE * reading_t;
+                let turn = turn.filter(|turn| is_small(turn) || turn.explains(reading_t));
                 return Err(FilmError::Scan(turn.map_or(error, ScanError::Turned)));
             }
             Ok(fit) => fit,
@@ -224,8 +225,10 @@ impl Film {
         let kept: Vec<usize> = (0..points_mm.len()).filter(|index| fit.exclusions[*index].is_none()).collect();
         let squares: f64 = kept.iter().map(|index| corrected_t[*index].length_squared()).sum();
         let reading_t = (squares / (3 * kept.len().max(1)) as f64).sqrt();
-        let turn = match fit.noise_t > MOST_SHARE * reading_t {
-            true => film_turn(field, points_mm, readings_t).filter(|turn| turn.residual_t < BETTER * fit.noise_t),
+        let sensor_noise_t = self.layout().sensor.as_ref().map_or(0.0, |of| of.as_one().deviation_t().max_element());
+        let most_t = if sensor_noise_t > 0.0 { KNOWN_NOISE * sensor_noise_t } else { MOST_SHARE * reading_t };
+        let turn = match fit.noise_t > most_t {
+            true => film_turn(field, points_mm, readings_t).filter(|turn| turn.is_below(BETTER, fit.noise_t)),
             false => None,
         };
         if let Some(turn) = turn.filter(|turn| turn.explains(fit.noise_t)) {
@@ -274,7 +277,7 @@ impl Film {
             has_smooth_residuals,
             is_across,
             turn,
-            sensor_noise_t: self.layout().sensor.as_ref().map_or(0.0, |of| of.as_one().deviation_t().max_element()),
+            sensor_noise_t,
         })
     }
 
@@ -360,8 +363,8 @@ impl FilmScan {
             });
         let turn = self.turn.map(|turn| {
             format!(
-                "the residual is {} uT if the film was turned by {:.1} deg about z against the positions: turn the positions \
-                 by {:.1} deg, or the film",
+                "the residual is {} uT if the film was turned by {:.1} deg about z against the positions: turn \
+                 positions and readings by {:.1} deg, or the film",
                 number(1e6 * turn.residual_t),
                 turn.angle_deg,
                 -turn.angle_deg

@@ -60,6 +60,10 @@ impl Film {
         if let Some(Noise { deviation_t }) = noise {
             locator = locator.with_deviation(deviation_t);
         }
+        if let AtRest::Zero(readings_t) = at_rest {
+            // The mean at rest has noise of its own.
+            locator = locator.with_noise_times((1.0 + count as f64 / readings_t.len().max(1) as f64).sqrt());
+        }
         let has_noise = noise.is_some() || head.deviation_t().min_element() > 0.0;
         let origin_mm = match at_rest {
             AtRest::Rest(_) => locator.locate(&at_rest_t).remove(0).map_err(FilmError::AtRest)?.position,

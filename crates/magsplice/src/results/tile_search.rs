@@ -6,7 +6,7 @@ use magsplice_layout::{FilmTolerance, Preset};
 use magsplice_magnet::Tile;
 use magsplice_scan::{
     Diagnosis, DiagnosisError, DiagnosisSettings, FieldScan, FreeParameters, MOST_ERRORS, ScanDiagnosis, ScanError,
-    ScanParameters,
+    ScanParameter, ScanParameters,
 };
 
 use super::likelier_errors::{MOST_SINGLE_ERRORS, likelier_preset};
@@ -15,6 +15,9 @@ use super::placement::{FittedScan, SensorPlacement};
 use crate::film::Film;
 use crate::film_error::FilmError;
 use crate::stage::Stage;
+
+/// Standard deviations from the stated value above which a parameter of the scan is another one.
+const CERTAIN: f64 = 4.0;
 
 /// A scan of the field of a film, and what is searched in it.
 pub(super) struct TileSearch<'a> {
@@ -51,11 +54,17 @@ impl TileSearch<'_> {
             |expected: FilmTolerance, most_errors: usize| self.diagnosed(start, self.free, expected, most_errors);
         let likelier_than = |errors: usize| likelier_preset(self.tiles.len(), self.expected, errors, searched);
         let (mut made_as, mut explained_by) = (None, None);
-        let mut diagnosis = searched(self.expected.clone(), MOST_SINGLE_ERRORS)?;
+        let mut diagnosis = match searched(self.expected.clone(), MOST_SINGLE_ERRORS) {
+            Err(error @ FilmError::Diagnosis(DiagnosisError::AnotherFilm { .. })) => {
+                self.refuse_turned(&placed, None)?;
+                return Err(error);
+            }
+            found => found?,
+        };
         // Errors of tiles bend to a scan taken otherwise, or to other errors of every tile.
         if !diagnosis.is_complete || diagnosis.detected.len() > 1 || !self.is_possible(&diagnosis) {
             placed.refuse_turned()?;
-            self.refuse_turned(&placed, &diagnosis)?;
+            self.refuse_turned(&placed, Some(&diagnosis))?;
         }
         if !diagnosis.is_complete {
             explained_by = self.explained_by(&placed, MOST_SINGLE_ERRORS / 2)?;
@@ -115,14 +124,14 @@ impl TileSearch<'_> {
     /// [`FilmError::Scan`] if less than half as many errors of tiles explain the scan of a film
     /// that was turned against the positions. Errors of every tile leave so much that the turn
     /// alone does not.
-    fn refuse_turned(&self, placed: &PlacedScan, diagnosis: &Diagnosis) -> Result<(), FilmError> {
+    fn refuse_turned(&self, placed: &PlacedScan, diagnosis: Option<&Diagnosis>) -> Result<(), FilmError> {
         let Some(turn) = placed.turn() else { return Ok(()) };
         let (points_mm, field_t) = turn.undone(self.points_mm, self.field_t);
         let turned = TileSearch { points_mm: &points_mm, field_t: &field_t, ..*self };
         let start = turned.placed()?.start(self.free);
-        let most_errors = match self.is_possible(diagnosis) {
-            true => diagnosis.detected.len().saturating_sub(1) / 2,
-            false => MOST_SINGLE_ERRORS,
+        let most_errors = match diagnosis.filter(|diagnosis| self.is_possible(diagnosis)) {
+            Some(diagnosis) => diagnosis.detected.len().saturating_sub(1) / 2,
+            None => MOST_SINGLE_ERRORS,
         };
         let found = start.and_then(|start| turned.diagnosed(start, self.free, self.expected.clone(), most_errors));
         match found {
@@ -153,7 +162,12 @@ impl TileSearch<'_> {
         }
         let Ok(start) = placed.start(FreeParameters::ALL) else { return Ok(None) };
         let found = self.diagnosed(start, FreeParameters::ALL, self.expected.clone(), most_errors)?;
-        let is_explained = found.is_complete && self.is_possible(&found);
+        // Parameters within noise of those that are stated explain nothing.
+        let is_other = ScanParameter::ALL.into_iter().any(|of| {
+            let stated = ScanParameters::PERFECT.get(of);
+            (found.scan.get(of) - stated).abs() > CERTAIN * found.scan_deviations.get(of)
+        });
+        let is_explained = is_other && found.is_complete && self.is_possible(&found);
         Ok(is_explained.then(|| FittedScan::new(&found.scan, found.scan.offset_t)))
     }
 }

@@ -86,7 +86,12 @@ pub(crate) fn run(args: &ScanArgs, quiet: bool) -> Result<(), Failure> {
         readings::at_positions(&session, &args.scan, args.unit.as_ref())?;
     let found = film
         .scan(&points_mm, &readings_t, &lines, (!args.fit.is_empty()).then(|| FitArg::free(&args.fit)))
-        .map_err(|error| refused(&session, &args.scan, &lines, error))?;
+        .map_err(|error| match error {
+            FilmError::Scan(error @ (ScanError::Misfit { .. } | ScanError::AnotherFilm { .. })) => {
+                Failure::at(&args.scan, format!("{error}; faulty tiles leave as much, and diagnose finds them"))
+            }
+            error => refused(&session, &args.scan, &lines, error),
+        })?;
     #[cfg(feature = "report")]
     if let Some(mut folder) = figures {
         draw(args, &film, &found, &mut folder)?;
