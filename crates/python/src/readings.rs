@@ -14,10 +14,11 @@ use crate::results::{WithArrays, with_arrays};
 use crate::vectors::{rows_of, vectors};
 
 /// The displacement of the sensor for each reading, in millimetres, from the reference point or
-/// from the position of the readings `rest`. The constant part of all readings is `constant_t`, or
-/// the difference of the mean of the readings `zero` from the field at the reference point. `fit`
-/// is what is fitted to the readings of all sensors of a head, and the number of readings for each
-/// position; without it, readings are those of one sensor or weighted sums. And remarks.
+/// from the position of the readings `rest`, the second of `at_rest`. The constant part of all
+/// readings is `constant_t`, or the difference of the mean of the first, `zero`, from the field at
+/// the reference point. `fit` is what is fitted to the readings of all sensors of a head, and the
+/// number of readings for each position; without it, readings are those of one sensor or weighted
+/// sums. And remarks.
 #[pyfunction]
 pub(crate) fn read<'py>(
     py: Python<'py>,
@@ -25,8 +26,7 @@ pub(crate) fn read<'py>(
     readings_t: PyReadonlyArray2<'py, f64>,
     noise_t: Option<[f64; 3]>,
     constant_t: [f64; 3],
-    zero_t: Option<PyReadonlyArray2<'py, f64>>,
-    rest_t: Option<PyReadonlyArray2<'py, f64>>,
+    at_rest: [Option<PyReadonlyArray2<'py, f64>>; 2],
     fit: Option<(String, usize)>,
 ) -> PyResult<(WithArrays<'py>, Vec<String>)> {
     let unknowns = match &fit {
@@ -40,7 +40,7 @@ pub(crate) fn read<'py>(
         }
         None => None,
     };
-    let read = located(py, film, &readings_t, noise_t, constant_t, [zero_t, rest_t], unknowns)?;
+    let read = located(py, film, &readings_t, noise_t, constant_t, at_rest, unknowns)?;
     let rows = |vectors: Option<Vec<DVec3>>| vectors.map(|vectors| rows_of(py, &vectors)).into_bound_py_any(py);
     let message =
         |found: &Result<Located, LocateError>| found.as_ref().err().map_or(String::new(), ToString::to_string);

@@ -62,32 +62,30 @@ impl HeadFits {
 
     /// Stray field, rotation, deviations and chi squared of each reading, as columns.
     pub fn columns(&self) -> Vec<ColumnQuantity> {
-        const DEGREES: f64 = 180.0 / std::f64::consts::PI;
-        let stray = self.unknowns.has_stray_field();
-        let turn = self.unknowns.has_rotation();
-        let with_noise = |is_fitted: bool| is_fitted && self.has_noise;
-        let vectors: [(bool, &'static str, &'static [&'static str; 3], fn(&HeadFit) -> DVec3); 4] = [
-            (stray, "stray_t", &["stray_x_t", "stray_y_t", "stray_z_t"], |fit| fit.stray_t),
-            (
-                with_noise(stray),
-                "stray_deviation_t",
-                &["stray_deviation_x_t", "stray_deviation_y_t", "stray_deviation_z_t"],
-                |fit| fit.stray_deviation_t,
-            ),
-            (turn, "rotation_deg", &["rotation_x_deg", "rotation_y_deg", "rotation_z_deg"], |fit| {
-                DEGREES * fit.rotation_rad
-            }),
-            (
-                with_noise(turn),
-                "rotation_deviation_deg",
-                &["rotation_deviation_x_deg", "rotation_deviation_y_deg", "rotation_deviation_z_deg"],
-                |fit| DEGREES * fit.rotation_deviation_rad,
-            ),
-        ];
-        let fitted = vectors.into_iter().filter(|(is_fitted, ..)| *is_fitted);
-        let mut columns: Vec<ColumnQuantity> = fitted
-            .map(|(_, name, components, value)| ColumnQuantity::of_vectors(name, components, &self.of_each(value)))
-            .collect();
+        let degrees = |rotation_rad: DVec3| rotation_rad.map(f64::to_degrees);
+        let (stray, turn) = (self.unknowns.has_stray_field(), self.unknowns.has_rotation());
+        let mut columns: Vec<ColumnQuantity> = Vec::new();
+        let mut add = |is_known: bool, name, components, value: &dyn Fn(&HeadFit) -> DVec3| {
+            if is_known {
+                columns.push(ColumnQuantity::of_vectors(name, components, &self.of_each(value)));
+            }
+        };
+        add(stray, "stray_t", &["stray_x_t", "stray_y_t", "stray_z_t"], &|fit| fit.stray_t);
+        add(
+            stray && self.has_noise,
+            "stray_deviation_t",
+            &["stray_deviation_x_t", "stray_deviation_y_t", "stray_deviation_z_t"],
+            &|fit| fit.stray_deviation_t,
+        );
+        add(turn, "rotation_deg", &["rotation_x_deg", "rotation_y_deg", "rotation_z_deg"], &|fit| {
+            degrees(fit.rotation_rad)
+        });
+        add(
+            turn && self.has_noise,
+            "rotation_deviation_deg",
+            &["rotation_deviation_x_deg", "rotation_deviation_y_deg", "rotation_deviation_z_deg"],
+            &|fit| degrees(fit.rotation_deviation_rad),
+        );
         let freedom = self.fits.iter().flatten().next().map_or(0, |fit| fit.degrees_of_freedom);
         if self.has_noise && freedom > 0 {
             let ratio = |fit: &Option<HeadFit>| fit.as_ref().map_or(f64::NAN, |fit| fit.chi_squared / freedom as f64);

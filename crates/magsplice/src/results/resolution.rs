@@ -158,7 +158,7 @@ impl Film {
         let grid = self.volume()?.grid;
         let of = |unknowns: HeadUnknowns| -> Result<Vec<Option<HeadResolution>>, FilmError> {
             let sensed = SensedField::of_head(self.scene(), head, &grid).map_err(FilmError::Sensor)?;
-            let locator = HeadLocator::new(sensed, grid.clone(), unknowns).map_err(FilmError::of_head)?;
+            let locator = HeadLocator::new(sensed, grid, unknowns).map_err(FilmError::of_head)?;
             Ok(locator.resolution(points))
         };
         let (known, fitted) = (of(HeadUnknowns::Position)?, of(HeadUnknowns::StrayField)?);

@@ -55,7 +55,7 @@ impl Film {
             }
             AtRest::Rest(readings_t) => (vec![DVec3::ZERO; count], mean(readings_t)?),
         };
-        let locator = HeadLocator::new(sensed.clone(), volume.grid.clone(), unknowns).map_err(FilmError::of_head)?;
+        let locator = HeadLocator::new(sensed.clone(), volume.grid, unknowns).map_err(FilmError::of_head)?;
         let mut locator = locator.with_constant_readings(&constants_t);
         if let Some(Noise { deviation_t }) = noise {
             locator = locator.with_deviation(deviation_t);

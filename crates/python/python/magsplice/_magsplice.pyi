@@ -157,8 +157,7 @@ def read(
     readings_t: _Floats,
     noise_t: _Vector | None,
     constant_t: _Vector,
-    zero_t: _Floats | None,
-    rest_t: _Floats | None,
+    at_rest: tuple[_Floats | None, _Floats | None],
     fit: tuple[str, int] | None,
 ) -> tuple[tuple[_Result, _Result], list[str]]: ...
 def calibrate(

@@ -94,14 +94,16 @@ class Sensed(Assembly):
             head contradict each other.
         """
         flat, shape = flattened(readings_t, "readings")
-        constant = constant_or_rest(constant_t, zero, rest)
+        constant, zero_t, rest_t = constant_or_rest(constant_t, zero, rest)
         if fit is None:
             _warn_of_range(self, flat[:0], flat)
             of_head = None
         else:
             shape, of_head = shape[:-1], (fit, shape[-1] if shape else 1)
         noise = noise_of(noise_t)
-        (numbers, more), remarks = _magsplice.read(self, flat, noise, *constant, of_head)
+        (numbers, more), remarks = _magsplice.read(
+            self, flat, noise, constant, (zero_t, rest_t), of_head
+        )
         _findings.warn_of_measurement(self, remarks)
         return Readings(numbers, **shaped(more, shape))
 

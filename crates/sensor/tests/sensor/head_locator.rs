@@ -39,7 +39,7 @@ fn readings_t(scene: &Scene, head: &SensorHead, at: DVec3, stray_t: DVec3, rotat
 }
 
 fn locator<'a>(scene: &'a Scene, head: &SensorHead, grid: &Grid, unknowns: HeadUnknowns) -> HeadLocator<'a> {
-    HeadLocator::new(SensedField::of_head(scene, head, grid).unwrap(), grid.clone(), unknowns).unwrap()
+    HeadLocator::new(SensedField::of_head(scene, head, grid).unwrap(), *grid, unknowns).unwrap()
 }
 
 fn heads(sensor: HallSensor) -> [SensorHead; 3] {
