@@ -178,6 +178,12 @@ impl<'a> HeadLocator<'a> {
         positions.par_iter().map(at).collect()
     }
 
+    /// Whether deviations and residuals count in the noise of the sensors: every sensor has noise
+    /// along each axis, or [`HeadLocator::with_deviation`] set it.
+    pub fn has_noise(&self) -> bool {
+        self.has_noise
+    }
+
     /// The volume.
     pub fn grid(&self) -> &Grid {
         self.sum.grid()

@@ -101,6 +101,28 @@ fn readings_that_do_not_suit_the_head_are_refused() {
     assert!(scan.status != 0 && scan.stderr.contains("needs the readings of one sensor"), "{}", scan.stderr);
 }
 
+/// One sensor without noise leaves no deviations and no test of the residual, but positions.
+#[test]
+fn sensors_without_noise_have_no_deviations() {
+    let sandbox = Sandbox::new();
+    let readings = readings(&sandbox);
+    write(&sandbox, 1, &readings);
+    let text = std::fs::read_to_string(shipped("heads/published-cross")).expect("a layout");
+    let element = |noise_ut: f64, [x, y]: [f64; 2]| {
+        format!("[[sensor.element]]\nposition_mm = [{x:?}, {y:?}, 0.0]\nnoise_ut = {noise_ut:?}\n")
+    };
+    let elements: String = PLACES.iter().enumerate().map(|(n, place)| element(n as f64, *place)).collect();
+    let (before, after) = text.split_once("[sensor]").expect("a table");
+    let (_, after) = after.split_once("[expect]").expect("a table");
+    sandbox.write("film.toml", &format!("{before}[sensor]\n{elements}[expect]{after}"));
+    let said = sandbox.run(&["read", "film.toml", "readings.csv"]);
+    assert_eq!((said.status, column(&said.stdout, "status")), (0, vec![0.0; 3]), "{}", said.stderr);
+    assert!(!said.stdout.contains("deviation") && !said.stdout.contains("chi_squared"), "{}", said.stdout);
+    assert!((column(&said.stdout, "dx_mm")[2] - POSITIONS[2][0]).abs() < 1e-7, "{}", said.stdout);
+    let said = sandbox.run(&["resolution", "film.toml"]);
+    assert!(said.status == 0 && !said.stdout.contains("by all sensors"), "{}", said.stdout);
+}
+
 /// Six numbers determine position and stray field of a pair exactly, by the difference of the
 /// readings alone, as the weighted sum does. More sensors tell more, and a known stray field too.
 #[test]

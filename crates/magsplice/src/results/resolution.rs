@@ -150,12 +150,16 @@ impl Film {
         })
     }
 
-    /// The resolution by all sensors; `None` if they are too few for a stray field.
+    /// The resolution by all sensors; `None` if they are too few for a stray field, or one has no
+    /// noise.
     fn by_sensors(&self, head: &SensorHead, points: &[DVec3]) -> Result<Option<SensorsResolution>, FilmError> {
         if 3 * head.elements.len() < HeadUnknowns::StrayField.count() {
             return Ok(None);
         }
         let grid = self.volume()?.grid;
+        if head.elements.iter().any(|of| of.sensor.deviation_t().min_element() == 0.0) {
+            return Ok(None);
+        }
         let of = |unknowns: HeadUnknowns| -> Result<Vec<Option<HeadResolution>>, FilmError> {
             let sensed = SensedField::of_head(self.scene(), head, &grid).map_err(FilmError::Sensor)?;
             let locator = HeadLocator::new(sensed, grid, unknowns).map_err(FilmError::of_head)?;

@@ -64,7 +64,7 @@ impl Film {
             // The mean at rest has noise of its own.
             locator = locator.with_noise_times((1.0 + count as f64 / readings_t.len().max(1) as f64).sqrt());
         }
-        let has_noise = noise.is_some() || head.deviation_t().min_element() > 0.0;
+        let has_noise = locator.has_noise();
         let origin_mm = match at_rest {
             AtRest::Rest(_) => locator.locate(&at_rest_t).remove(0).map_err(FilmError::AtRest)?.position,
             AtRest::Constant(_) | AtRest::Zero(_) => volume.reference_mm,
