@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec3};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-/// What is fitted to the readings of a head.
+/// Numbers that are fitted to the readings of a head.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize, serde::Serialize), serde(rename_all = "kebab-case"))]
 #[non_exhaustive]

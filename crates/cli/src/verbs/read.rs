@@ -66,7 +66,7 @@ pub(crate) struct ReadArgs {
     #[arg(long, value_name = "N", default_value = "0", conflicts_with = "zero",
         value_parser = |text: &str| whole(text, 0..=usize::MAX))]
     rest: usize,
-    /// What is fitted to the readings of all sensors of a head [default: stray-field]
+    /// Numbers that are fitted to the readings of all sensors of a head [default: stray-field]
     #[arg(long, value_enum, value_name = "WHAT")]
     fit: Option<HeadFitArg>,
     /// Unit of columns named bx, by, bz without a unit, such as uT, G or counts of [sensor]; the
@@ -81,7 +81,7 @@ pub(crate) struct ReadArgs {
     format: Option<TableFormat>,
 }
 
-/// What is fitted to the readings of a head.
+/// Numbers that are fitted to the readings of a head.
 #[derive(Clone, Copy, ValueEnum)]
 pub(crate) enum HeadFitArg {
     /// The position

@@ -16,7 +16,7 @@ pub(crate) mod least_squares;
 pub(crate) mod objective;
 /// Tiles as functions of the variables.
 pub(crate) mod pattern;
-/// What is read below a film.
+/// The reading below a film.
 pub(crate) mod reading;
 /// Tests of the expected square of errors.
 #[cfg(test)]

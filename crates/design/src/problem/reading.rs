@@ -1,4 +1,4 @@
-//! What is read below a film: the field at a point, or the weighted sum of the sensors of a head.
+//! The reading below a film: the field at a point, or the weighted sum of the sensors of a head.
 
 use glam::{DVec3, Vec3Swizzles};
 use magsplice_head::{HeadElement, SensorHead};

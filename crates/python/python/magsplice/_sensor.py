@@ -105,7 +105,7 @@ class Readings(OfFilm, Table):
         yield from ((text, count) for text, count in zip(STATUS, counts, strict=True) if count)
 
 
-#: What is fitted to the readings of all sensors of a head.
+#: Numbers that are fitted to the readings of all sensors of a head.
 HeadFit = Literal["position", "stray-field", "pose"]
 
 
