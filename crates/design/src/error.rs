@@ -68,6 +68,12 @@ pub enum DesignError {
          rotation, or vary only directions and strengths", listed(.0, ", ")
     )]
     Rotated(Vec<String>),
+    /// The head is to vary, and the layout has none with a spacing.
+    #[error(
+        "vary of [design] has head, whose spacing is to change, and [sensor] has no head with a spacing: give head = \
+         \"pair-z\", \"pair-xy\" or \"cross\" and spacing_mm, or leave head out of vary"
+    )]
+    NoSpacing,
     /// No number is free under the brief and the symmetry.
     #[error("vary and symmetry of [design] leave 0 free parameters in this film, must leave at least 1")]
     NothingFree,

@@ -76,7 +76,7 @@ impl DesignProblem<'_> {
         for &amplitude in &descending {
             let (parts, stock) = (None, Vec::new());
             let brief = Brief { least_amplitude: Some(amplitude), parts, stock, starts: STARTS, ..self.brief.clone() };
-            let mut problem = DesignProblem::from_brief(self.layout, brief)?;
+            let mut problem = DesignProblem::from_brief(&self.layout, brief)?;
             problem.hold_recoil(&self.tiles)?;
             let mut starts = problem.best_of_starts(&watch)?;
             // With the field as the goal, each amplitude has its own target, so the film before is
@@ -91,6 +91,7 @@ impl DesignProblem<'_> {
                 }
             }
             before = Some(starts.best.clone());
+            let (problem, starts) = problem.with_best_spacing(starts, &watch)?;
             by_amplitude.insert(0, (amplitude, problem.finished(starts, &watch)?));
             if watch.is_stopped() {
                 break;
@@ -108,15 +109,16 @@ impl DesignProblem<'_> {
         }
         let mut problem = self.clone();
         problem.hold_recoil(&self.tiles)?;
-        let best = problem.best_of_starts(watch)?.best;
-        let best = problem.settle_recoil(&self.pattern, best, watch)?;
+        let starts = problem.best_of_starts(watch)?;
+        let (mut problem, starts) = problem.with_best_spacing(starts, watch)?;
+        let best = problem.settle_recoil(&self.pattern, starts.best, watch)?;
         problem.leave_room_for_rounding();
         // Down to the parts in stock, or to a single part.
         let least = usize::from(self.brief.stock.is_empty());
         let levels = merging::levels(&problem, &problem.pattern, &best, least, watch);
         let result = |level: merging::FilmOfParts| {
             let stage = SearchStage::Parts(level.part_count());
-            let stages = vec![self.stage_metrics(stage, &level.pattern, &level.candidate)?];
+            let stages = vec![problem.stage_metrics(stage, &level.pattern, &level.candidate)?];
             let brief = Brief { parts: None, ..problem.brief.clone() };
             let rounding = DesignProblem { brief, ..problem.clone() };
             rounding.rounded(&level.pattern, level.candidate, stages, 1, watch)

@@ -24,6 +24,8 @@ pub struct ProgressUpdate {
 pub enum SearchStage {
     /// Descents from several starts.
     Starts,
+    /// Descents with other spacings of the head.
+    Head,
     /// Descents with the field that recoil adds to the film found.
     Recoil,
     /// Strengths are replaced by strengths in stock.
@@ -41,6 +43,7 @@ impl SearchStage {
     pub const fn name(self) -> &'static str {
         match self {
             SearchStage::Starts => "searched",
+            SearchStage::Head => "with the best spacing",
             SearchStage::Recoil => "with recoil",
             SearchStage::Strengths => "strengths of the stock",
             SearchStage::Parts(_) => "fewer parts",

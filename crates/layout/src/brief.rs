@@ -40,7 +40,7 @@ use crate::written_as::{As, is_default};
     extend("required" = ["vary"])
 )]
 pub struct Brief {
-    /// The properties of the tiles that may change.
+    /// The properties of the tiles, and of the head, that may change.
     #[schemars(with = "Vec<Variable>", extend("example" = "[\"size\", \"position\", \"direction\"]"))]
     pub vary: BTreeSet<Variable>,
     /// The symmetry that the film has and keeps. Default: none.
@@ -75,6 +75,10 @@ pub struct Brief {
     /// Bounds of the magnitude of the polarization, in T. Required if the strength varies.
     #[schemars(extend("example" = "{ min = 0.0, max = 0.12 }"))]
     pub strength_t: Option<MinMax>,
+    /// Bounds of the spacing of the head, in mm. Required if the head varies.
+    #[serde(skip_serializing_if = "is_default")]
+    #[schemars(extend("example" = "{ min = 2.0, max = 6.0 }"))]
+    pub spacing_mm: Option<MinMax>,
     /// Sizes are rounded to multiples of this, in mm; a tile centred on a mirror plane has its
     /// faces at half multiples. Default: 0.001.
     pub resolution_mm: f64,
@@ -100,7 +104,7 @@ pub struct Brief {
     pub seed: u64,
 }
 
-/// A property of the tiles that may change.
+/// A property of the tiles, or of the head, that may change.
 #[derive(Clone, Copy, Debug, Deserialize, Eq, JsonSchema, Ord, PartialEq, PartialOrd, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Variable {
@@ -119,6 +123,8 @@ pub enum Variable {
     Tilt,
     /// Magnitude of the polarization.
     Strength,
+    /// Spacing of the head, and with it the weights of least noise.
+    Head,
 }
 
 /// A symmetry of the film. The polarization is mapped like arrows drawn on the tiles, as the
@@ -244,6 +250,7 @@ impl Default for Brief {
             gap_mm: 0.0,
             thickness_mm: None,
             strength_t: None,
+            spacing_mm: None,
             resolution_mm: RESOLUTION_MM,
             resolution_deg: RESOLUTION_DEG,
             step_mm: None,
@@ -257,7 +264,7 @@ impl Default for Brief {
 }
 
 impl Brief {
-    /// Whether a property of the tiles may change.
+    /// Whether a property may change.
     pub fn varies(&self, variable: Variable) -> bool {
         self.vary.contains(&variable)
     }
@@ -318,8 +325,9 @@ impl Brief {
 
     fn check_variables(&self, faults: &mut TableFaults) {
         if self.vary.is_empty() {
-            faults
-                .add("vary = [], must have at least one of size, position, cut, thickness, direction, tilt, strength");
+            faults.add(
+                "vary = [], must have at least one of size, position, cut, thickness, direction, tilt, strength, head",
+            );
         }
         let moves_singly = self.varies(Variable::Size) || self.varies(Variable::Position);
         if self.varies(Variable::Cut) && moves_singly {
@@ -349,6 +357,7 @@ impl Brief {
         let ranges = [
             ("thickness_mm", "thickness", Variable::Thickness, self.thickness_mm, f64::MIN_POSITIVE, "0 < min <= max"),
             ("strength_t", "strength", Variable::Strength, self.strength_t, 0.0, "0 <= min <= max"),
+            ("spacing_mm", "head", Variable::Head, self.spacing_mm, f64::MIN_POSITIVE, "0 < min <= max"),
         ];
         for (key, name, variable, bounds, least, rule) in ranges {
             match bounds {

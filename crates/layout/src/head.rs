@@ -21,6 +21,8 @@ const MAX_ELEMENTS: usize = 64;
 pub struct StatedHead {
     /// The board that the layout names.
     pub board: Option<Board>,
+    /// The spacing of a board that may have any, in millimetres.
+    pub spacing_mm: Option<f64>,
     /// The sensors. Places in millimetres.
     pub sensors: SensorHead,
     /// Whether the layout states the weights. Otherwise they are those of least noise.
@@ -84,26 +86,26 @@ impl HeadKeys {
             return None;
         }
         let has_stated_weights = self.element.iter().any(|element| element.weight.is_some());
-        let elements = match self.head {
-            Some(board) => self.of_board(board, sensor, wavelength_mm, &mut faults.at(place.start, "sensor"))?,
-            None => self.of_elements(common, place, faults)?,
+        let (elements, spacing_mm) = match self.head {
+            Some(board) => {
+                let mut own = faults.at(place.start, "sensor");
+                let spacing_mm = self.spacing_of(board, wavelength_mm, &mut own)?;
+                let element = |place: DVec3| HeadElement { sensor: *sensor, place, weight: DVec3::ZERO };
+                let elements = board.places(spacing_mm).into_iter().map(element).collect();
+                (elements, Some(spacing_mm).filter(|_| board.own_spacing_mm().is_none()))
+            }
+            None => (self.of_elements(common, place, faults)?, None),
         };
         let mut own = faults.at(place.start, "sensor");
         let sensors = match has_stated_weights {
             true => SensorHead { elements },
             false => weighted(elements, wavelength_mm, &mut own)?,
         };
-        Some(StatedHead { board: self.head, sensors, has_stated_weights, keys: self })
+        Some(StatedHead { board: self.head, spacing_mm, sensors, has_stated_weights, keys: self })
     }
 
-    /// The sensors of a board with a name, without weights.
-    fn of_board(
-        &self,
-        board: Board,
-        sensor: &HallSensor,
-        wavelength_mm: Option<f64>,
-        faults: &mut TableFaults,
-    ) -> Option<Vec<HeadElement>> {
+    /// The spacing of a board with a name.
+    fn spacing_of(&self, board: Board, wavelength_mm: Option<f64>, faults: &mut TableFaults) -> Option<f64> {
         let name = board.name();
         if !self.element.is_empty() {
             return faults.refuse(format!("head = \"{name}\" and [[sensor.element]] are both given: give one of them"));
@@ -122,11 +124,7 @@ impl HeadKeys {
         if spacing_mm.is_none() && faults.count() == before {
             faults.add(format!("head = \"{name}\" has no distance of its sensors: give spacing_mm"));
         }
-        if faults.count() > before {
-            return None;
-        }
-        let element = |place: DVec3| HeadElement { sensor: *sensor, place, weight: DVec3::ZERO };
-        Some(board.places(spacing_mm?).into_iter().map(element).collect())
+        spacing_mm.filter(|_| faults.count() == before)
     }
 
     /// The sensors of the tables, with the weights that they state.

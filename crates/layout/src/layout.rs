@@ -105,6 +105,21 @@ impl Layout {
         Some(&self.sensor.as_ref()?.head.as_ref()?.sensors)
     }
 
+    /// The spacing of the head in millimetres. `None` without a head, and where its sensors have fixed
+    /// places.
+    pub fn head_spacing_mm(&self) -> Option<f64> {
+        self.sensor.as_ref()?.head.as_ref()?.spacing_mm
+    }
+
+    /// The layout with another spacing of its head, and the weights of least noise for it. `None`
+    /// where the head has no spacing, or no weights keep the form of Eq. 2 at this one.
+    pub fn with_head_spacing(&self, spacing_mm: f64) -> Option<Layout> {
+        self.head_spacing_mm()?;
+        let sensor = self.sensor.as_ref()?;
+        let sensor = sensor.on_board(sensor.head.as_ref()?.board?, Some(spacing_mm), self.ideal?.wavelength()).ok()?;
+        Some(Layout { sensor: Some(sensor), ..self.clone() })
+    }
+
     /// The recoil permeability of each tile: its own, or the material's.
     pub fn permeabilities(&self) -> Vec<Permeability> {
         self.tiles.iter().map(|named| named.permeability.unwrap_or(self.material.permeability)).collect()

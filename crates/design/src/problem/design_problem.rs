@@ -1,5 +1,7 @@
 //! Design problems: a layout and its brief, prepared for the search.
 
+use std::borrow::Cow;
+
 use magsplice_ideal::IdealFilm;
 use magsplice_layout::{Brief, Goal, Layout, MemoryError, Symmetry, Under, Variable, WorkingVolume, check_memory};
 use magsplice_magnet::{BoundingBox, Grid, Tile};
@@ -21,7 +23,7 @@ use crate::tolerances::{AMPLITUDE_MARGIN, POINTS_ALONG, SAME_TILE};
 /// See the [crate's example](crate#example).
 #[derive(Clone, Debug)]
 pub struct DesignProblem<'a> {
-    pub(crate) layout: &'a Layout,
+    pub(crate) layout: Cow<'a, Layout>,
     pub(crate) brief: Brief,
     pub(crate) ideal: IdealFilm,
     pub(crate) volume: WorkingVolume,
@@ -62,6 +64,10 @@ impl<'a> DesignProblem<'a> {
     /// # Errors
     /// As [`DesignProblem::new`].
     pub fn from_brief(layout: &'a Layout, brief: Brief) -> Result<DesignProblem<'a>, DesignError> {
+        DesignProblem::of(Cow::Borrowed(layout), brief)
+    }
+
+    pub(crate) fn of(layout: Cow<'a, Layout>, brief: Brief) -> Result<DesignProblem<'a>, DesignError> {
         let ideal = layout.ideal.ok_or(DesignError::Missing(NeededTable::Ideal))?;
         let volume = layout.volume.ok_or(DesignError::Missing(NeededTable::Volume))?;
         let tiles = layout.bare_tiles();
@@ -77,8 +83,11 @@ impl<'a> DesignProblem<'a> {
             let off_centre_mm = if most { off_centre_mm(&tiles) } else { [None; 2] };
             DesignError::NotSymmetric { tiles: named(without), off_centre_mm }
         })?;
+        if brief.varies(Variable::Head) && layout.head_spacing_mm().is_none() {
+            return Err(DesignError::NoSpacing);
+        }
         let pattern = Pattern::new(&tiles, &orbits, &brief);
-        if pattern.kinds.is_empty() {
+        if pattern.kinds.is_empty() && !brief.varies(Variable::Head) {
             return Err(DesignError::NothingFree);
         }
         let reading = Reading::new(layout.head());
@@ -118,7 +127,7 @@ impl<'a> DesignProblem<'a> {
 
     /// Number of free parameters, the variables of the search.
     pub fn variable_count(&self) -> usize {
-        self.pattern.kinds.len()
+        self.pattern.kinds.len() + usize::from(self.brief.varies(Variable::Head))
     }
 
     /// The goal of the search.

@@ -2,6 +2,8 @@
 
 /// The time that a search will take.
 pub(crate) mod estimate;
+/// The spacing of the head that goes with a film.
+mod head_spacing;
 /// Errors of films as made, by samples.
 pub(crate) mod made_films;
 /// Errors of a film over a grid.

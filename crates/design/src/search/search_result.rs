@@ -16,7 +16,10 @@ pub struct SearchResult {
     /// [`DesignProblem::designed_layout`](crate::DesignProblem::designed_layout) writes them.
     #[serde(skip)]
     pub tiles: Vec<Tile>,
-    /// Errors of the layout's film over its working volume.
+    /// The spacing of the head in millimetres, if the brief lets it vary.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub spacing_mm: Option<f64>,
+    /// Errors of the layout's film over its working volume, below the head of the film found.
     pub before: Metrics,
     /// Errors of the designed film over the working volume.
     pub after: Metrics,

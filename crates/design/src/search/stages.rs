@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 use std::sync::Mutex;
 
-use magsplice_layout::{Brief, Goal};
+use magsplice_layout::{Brief, Goal, Variable};
 use magsplice_magnet::{Overlap, Tile, overlaps};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -50,6 +50,7 @@ impl DesignProblem<'_> {
                 (problem, found) = (wider, again);
             }
         }
+        let (problem, found) = problem.with_best_spacing(found, &watch)?;
         problem.finished(found, &watch)
     }
 
@@ -99,11 +100,12 @@ impl DesignProblem<'_> {
         watch: &Watch,
     ) -> Result<SearchResult, DesignError> {
         let before = self.metrics(&self.cells(&self.tiles)?)?;
-        let (layout, least, most) = (self.layout, self.brief.least_amplitude, self.brief.parts);
+        let (layout, least, most) = (self.layout.clone(), self.brief.least_amplitude, self.brief.parts);
+        let spacing_mm = self.layout.head_spacing_mm().filter(|_| self.brief.varies(Variable::Head));
         let sampled_by = self.clone();
         let (tiles, [after, finer]) = self.rounded_with_amplitude(pattern, candidate, watch)?;
         stages.push(StageMetrics { stage: SearchStage::Rounding, uniformity_rmse: after.figures.uniformity_rmse });
-        let parts = merging::count_distinct(layout, &tiles);
+        let parts = merging::count_distinct(&layout, &tiles);
         let mut short_of = Vec::new();
         let reached = smaller_amplitude(&[after, finer]);
         short_of.extend(least.filter(|least| reached < *least).map(|least| Shortfall::Amplitude { reached, least }));
@@ -117,6 +119,7 @@ impl DesignProblem<'_> {
         let interrupted = watch.is_stopped();
         Ok(SearchResult {
             tiles,
+            spacing_mm,
             before,
             after,
             finer,

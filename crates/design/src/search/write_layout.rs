@@ -44,7 +44,8 @@ impl DesignProblem<'_> {
     }
 
     fn layout_from(&self, start: &str, result: &SearchResult, program: &str) -> Layout {
-        let mut layout = self.layout.clone();
+        let spaced = result.spacing_mm.and_then(|spacing_mm| self.layout.with_head_spacing(spacing_mm));
+        let mut layout = spaced.unwrap_or_else(|| self.layout.clone().into_owned());
         for (named, tile) in layout.tiles.iter_mut().zip(&result.tiles) {
             (named.tile, named.kind) = (*tile, None);
         }

@@ -32,6 +32,7 @@ fn expectations_are_the_errors_reached() {
     };
     let result = SearchResult {
         tiles: layout.bare_tiles(),
+        spacing_mm: None,
         before: metrics,
         after: metrics,
         finer: metrics,
@@ -90,6 +91,7 @@ fn found_film_has_a_name_and_a_history() {
         tiles[1] = magsplice_magnet::Tile::new(middle.position(), middle.size(), glam::DVec3::ZERO).unwrap();
         let result = SearchResult {
             tiles,
+            spacing_mm: None,
             before: metrics(2.0),
             after: metrics(1.0),
             finer: metrics(1.0),

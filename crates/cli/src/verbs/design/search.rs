@@ -90,6 +90,7 @@ pub(crate) fn show(progress: &ProgressLine, stop: &AtomicBool, update: ProgressU
     let ProgressUpdate { stage, done, of, best } = update;
     let (name, unit) = match stage {
         SearchStage::Starts => ("searching", "starts"),
+        SearchStage::Head => ("searching", "spacings of the head"),
         SearchStage::Recoil => (stage.name(), "rounds"),
         SearchStage::Strengths => (stage.name(), "strengths"),
         SearchStage::Parts(_) => (stage.name(), "parts merged"),

@@ -72,6 +72,9 @@ pub(super) fn found_film(
     }
     let magnetized = result.tiles.iter().filter(|tile| tile.polarization_t() != DVec3::ZERO).count();
     let tiles = counted(magnetized, "tile", "tiles");
+    if let Some(spacing_mm) = result.spacing_mm {
+        let _ = writeln!(text, "\nspacing of the head, mm: {spacing_mm}");
+    }
     let _ = writeln!(text, "\n{tiles} of {}", counted(result.parts, "part", "distinct parts"));
     for short in &result.short_of {
         let _ = writeln!(text, "not reached: {short}");
