@@ -17,9 +17,6 @@ mod published;
 /// Films with errors of their tiles, against known percentiles.
 mod real_films;
 mod recoil;
-/// Documents against the JSON Schema of layout files.
-#[cfg(feature = "schema")]
-mod schema;
 /// The descriptions of keys in the JSON Schema.
 mod schema_descriptions;
 /// The shipped layouts: their paths, and a round trip of each.
