@@ -11,6 +11,9 @@
 //! * `ratio: walk-gradient-over-field`: the worst at any step,
 //! * `ratio: walk-within-over-exact`: the same for a tolerance of 1e-6.
 //!
+//! * `ratio: head-over-sensor`: time of the weighted sum of five sensors over that of one sensor,
+//!   below the published film.
+//!
 //! A time is the smallest of interleaved runs. The worst cases are measured again, and a ratio is
 //! the least time of all rounds over the least other time. `-- --test` runs few cases once;
 //! `-- seed=N` draws other scenes; a word selects the ratios with this word in their names.
@@ -20,7 +23,8 @@ use std::time::Instant;
 
 use glam::{DMat3, DVec3};
 use magsplice::field::{Accuracy, Quantity, Scene, Tile, Tolerance};
-use magsplice_benches::{RandomScene, random_scenes};
+use magsplice::sensor::SensedField;
+use magsplice_benches::{RandomScene, random_scenes, shipped_layout, working_volume};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -44,6 +48,8 @@ const DISTANCES: usize = 20;
 const NEAREST: f64 = 1e-3;
 /// Number of times that a walk is measured; the least times count.
 const PASSES: usize = 4;
+/// Number of readings of a head.
+const HEAD_POINTS: usize = 20_000;
 /// Points at each step.
 const POINTS: usize = 512;
 
@@ -80,6 +86,9 @@ fn main() {
         }
         if "walk".contains(&wanted) {
             walks(effort);
+        }
+        if "head-over-sensor".contains(&wanted) {
+            head_over_sensor(effort);
         }
     });
 }
@@ -119,6 +128,23 @@ fn worst_of_scenes(
         println!("{name}: {above} of {} scenes are above {GOAL}", scenes.len());
         println!("ratio: {name} = {:.2}   ({} scenes; {})", ratio(*least), scenes.len(), scene.name);
     }
+}
+
+/// Prints the ratio for the readings of the five sensors of `layouts/heads/published-cross.toml`.
+fn head_over_sensor(effort: Effort) {
+    let layout = shipped_layout("heads/published-cross");
+    let (scene, volume) = (Scene::new(&layout.bare_tiles()), working_volume([2; 3]));
+    let head = SensedField::of_head(&scene, layout.head().expect("a head"), &volume).expect("readings");
+    let one = SensedField::from(&scene);
+    let mut random = ChaCha8Rng::seed_from_u64(5);
+    let (lower, extent) = (volume.lower(), volume.upper() - volume.lower());
+    let mut place = || lower + extent * DVec3::from([0, 1, 2].map(|_| random.random_range(0.0..1.0_f64)));
+    let points: Vec<DVec3> = (0..HEAD_POINTS).map(|_| place()).collect();
+    let [head, one] = least_times(effort, 1, |which| {
+        drop(black_box([&head, &one][which].readings_t(black_box(&points))));
+    });
+    let ns = |seconds: f64| 1e9 * seconds / HEAD_POINTS as f64;
+    println!("ratio: head-over-sensor = {:.2}   ({:.0} over {:.0} ns a reading)", head / one, ns(head), ns(one));
 }
 
 /// Whether the tolerance refuses points that have an exact field.
