@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use glam::{DQuat, DVec3};
-use magsplice_decouple::Decoupling;
+use magsplice_decouple::{Branch, Decoupling, Parameters};
 use magsplice_field::Scene;
 use magsplice_head::{Board, HeadElement, SensorHead, least_noise_weights};
 use magsplice_ideal::IdealFilm;
@@ -111,6 +111,33 @@ fn heads_are_located_in_stray_fields() {
         for (place, found) in PLACES.into_iter().zip(Locator::new(sensed, grid).unwrap().locate(&sums)) {
             let error = (found.unwrap().position - place).length();
             assert!(error < 1e-9, "{board:?}, {place}: {error:e} mm");
+        }
+    }
+}
+
+/// The weights cancel to a rounding, so 1 mT that appears after the reading at the reference point
+/// changes the displacement in closed form by a few roundings: of 1 mT over the sum of about 1 mT,
+/// times the wavelength over 2 pi, 1e-15 mm.
+#[test]
+fn uniform_fields_change_no_displacement_in_closed_form() {
+    let (scene, grid) = film();
+    let wavenumber = TAU / WAVELENGTH_MM;
+    let points: Vec<DVec3> = grid.points().collect();
+    let sensor = HallSensor::default();
+    for head in [head(Board::PairZ, 1.0, sensor), head(Board::PairXy, 5.0, sensor), head(Board::Cross, 5.0, sensor)] {
+        let of_sensors = SensedField::of_head(&scene, &head, &grid).unwrap().readings_of_sensors_t(&points).unwrap();
+        let sum_t = |point: usize, stray_t: DVec3| {
+            head.sum_t(&of_sensors.iter().map(|of| of[point] + stray_t).collect::<Vec<DVec3>>())
+        };
+        let branch = Branch::from_axis_field(sum_t(points.len() / 2, DVec3::ZERO)).unwrap();
+        let displacement = |point: usize, stray_t: DVec3| {
+            let [reference, moved] =
+                [sum_t(0, DVec3::ZERO), sum_t(point, stray_t)].map(|b_t| Parameters::from_field(b_t, branch).unwrap());
+            moved.displacement_from(&reference, wavenumber)
+        };
+        for (point, stray_t) in (0..points.len()).flat_map(|point| DVec3::AXES.map(|axis| (point, 1e-3 * axis))) {
+            let change = (displacement(point, stray_t) - displacement(point, DVec3::ZERO)).length();
+            assert!(change < 1e-12, "{:?} at {}: {change:e} mm", stray_t, points[point]);
         }
     }
 }
