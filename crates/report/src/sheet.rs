@@ -110,7 +110,7 @@ impl Sheet<'_> {
     /// Draws an image below everything else.
     pub(crate) fn image(&mut self, [left, top, width, height]: [f64; 4], image: &RasterImage) {
         self.images += &format!(
-            "<image x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" preserveAspectRatio=\"none\" href=\"{}\"/>\n",
+            "<image x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" preserveAspectRatio=\"none\" image-rendering=\"smooth\" href=\"{}\"/>\n",
             units(left),
             units(top),
             units(width),
