@@ -17,19 +17,42 @@ pub struct EvaluationGrid {
 }
 
 impl EvaluationGrid {
-    /// The figures of readings on the grid, z fastest, and at the reference point.
+    /// The figures of the field on the grid, z fastest, and at the reference point.
     ///
     /// # Errors
     /// If a decoupling parameter does not exist at a point of the volume.
     pub fn figures(&self, field_t: &[DVec3], at_reference_t: DVec3, ideal: &IdealFilm) -> Result<Figures, SampleError> {
+        self.figures_against(field_t, at_reference_t, ideal, &self.ideal_field_t(ideal, &[(DVec3::ZERO, DVec3::ONE)])?)
+    }
+
+    /// The weighted sum of the ideal field at each point, of sensors with these places and weights.
+    pub(crate) fn ideal_field_t(
+        &self,
+        ideal: &IdealFilm,
+        sensors: &[(DVec3, DVec3)],
+    ) -> Result<Vec<DVec3>, SampleError> {
+        let below = |point: DVec3| ideal.flux_density_t(point).ok_or(SampleError::NotBelow { point });
+        let seen = |point: DVec3| {
+            sensors.iter().try_fold(DVec3::ZERO, |sum, (place, weight)| Ok(sum + *weight * below(point + *place)?))
+        };
+        self.grid.points().map(seen).collect()
+    }
+
+    /// The figures of readings whose amplitude is that against these readings of the ideal film.
+    pub(crate) fn figures_against(
+        &self,
+        field_t: &[DVec3],
+        at_reference_t: DVec3,
+        ideal: &IdealFilm,
+        ideal_t: &[DVec3],
+    ) -> Result<Figures, SampleError> {
         let decoupling = Decoupling::from_field(&self.grid, field_t, (self.reference, at_reference_t), ideal)
             .map_err(SampleError::Decoupling)?;
         if !decoupling.singular.is_empty() {
             return Err(SampleError::Singular { points: decoupling.singular });
         }
         let (mut product, mut square) = (0.0, 0.0);
-        for (point, b_t) in self.grid.points().zip(field_t) {
-            let ideal_t = ideal.flux_density_t(point).ok_or(SampleError::NotBelow { point })?;
+        for (ideal_t, b_t) in ideal_t.iter().zip(field_t) {
             product += ideal_t.dot(*b_t);
             square += ideal_t.length_squared();
         }

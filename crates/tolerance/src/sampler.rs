@@ -25,6 +25,8 @@ pub struct Sampler<'a> {
     points: Vec<DVec3>,
     /// One sensor, or those of a head.
     chips: Vec<Chip>,
+    /// What they read of the ideal film at the points of the grid.
+    ideal_t: Vec<DVec3>,
 }
 
 /// A sensor of a head, and what does not differ between samples.
@@ -43,7 +45,7 @@ impl<'a> Sampler<'a> {
     /// Prepares the parts that all samples share.
     ///
     /// # Errors
-    /// If the neighbour has no field at a point of the volume.
+    /// If the neighbour or the ideal film has no field at a place of a sensor.
     pub fn new(
         film: &'a RealFilm,
         volume: &EvaluationGrid,
@@ -68,7 +70,8 @@ impl<'a> Sampler<'a> {
             Ok(Chip { place, weight, neighbour_t, remainder_t })
         };
         let chips = film.chips().into_iter().map(chip).collect::<Result<_, _>>()?;
-        Ok(Sampler { film, volume: *volume, ideal, seed, points, chips })
+        let ideal_t = volume.ideal_field_t(ideal, &film.chips())?;
+        Ok(Sampler { film, volume: *volume, ideal, seed, points, chips, ideal_t })
     }
 
     /// The errors of sample number `sample`, which depend on the seed and on this number alone.
@@ -90,7 +93,7 @@ impl<'a> Sampler<'a> {
 
     fn errors_of_readings(&self, read_t: &[DVec3]) -> Result<Figures, SampleError> {
         let last = read_t.len() - 1;
-        self.volume.figures(&read_t[..last], read_t[last], self.ideal)
+        self.volume.figures_against(&read_t[..last], read_t[last], self.ideal, &self.ideal_t)
     }
 
     /// The readings of sample number `sample` at the points of the grid, then at the reference
