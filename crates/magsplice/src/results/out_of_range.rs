@@ -1,14 +1,15 @@
 //! Readings beyond the range of the sensor of a layout.
 
 use glam::DVec3;
-use magsplice_magnet::Axis;
+use magsplice_magnet::{Axis, HallSensor};
 use serde::Serialize;
 
 use crate::film::Film;
 use crate::film_error::FilmError;
 
-/// Bytes for each point: the point and its reading, each twice while they are evaluated.
-const BYTES_PER_POINT: f64 = 96.0;
+/// Bytes for each point: the point and the reading of each sensor, each twice while they are
+/// evaluated.
+const BYTES_PER_POINT: f64 = 48.0;
 
 /// The points of the working volume at which a reading is at the limit of the sensor's range, or
 /// would be beyond it.
@@ -24,6 +25,9 @@ pub struct OutOfRange {
     pub largest_t: f64,
     /// The range along this axis.
     pub range_t: f64,
+    /// The number of the sensor of a head that this is, from 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sensor: Option<usize>,
 }
 
 impl Film {
@@ -33,26 +37,36 @@ impl Film {
     /// # Errors
     /// If the layout has no working volume, or the sensor cannot read the field.
     pub fn out_of_range(&self) -> Result<Option<OutOfRange>, FilmError> {
-        let grid = self.volume_for(BYTES_PER_POINT)?.grid;
+        let sensors = self.layout().head().map_or(1, |head| head.elements.len());
+        let grid = self.volume_for(BYTES_PER_POINT * (1 + sensors) as f64)?.grid;
         let sensed = self.sensed_field(&grid)?;
-        let sensor = *sensed.sensor();
-        if !sensor.range_t.is_finite() && sensor.range_t.min_element().is_infinite() {
+        let head = self.layout().head();
+        let sensors: Vec<HallSensor> =
+            head.map_or_else(|| vec![*sensed.sensor()], |head| head.elements.iter().map(|of| of.sensor).collect());
+        if sensors.iter().all(|sensor| sensor.range_t.min_element().is_infinite()) {
             return Ok(None);
         }
         let points: Vec<DVec3> = grid.points().collect();
-        let readings = sensed.readings_t(&points).map_err(FilmError::Points)?;
-        let beyond = readings.iter().filter(|reading| sensor.is_saturated(sensor.digitized_t(**reading))).count();
-        let largest = readings.iter().fold(DVec3::ZERO, |most, reading| most.max(reading.abs()));
-        let excess = largest / sensor.range_t;
-        let axis = Axis::ALL.into_iter().max_by(|a, b| excess[a.index()].total_cmp(&excess[b.index()]));
-        let of_axis = |axis: Axis| OutOfRange {
-            points: beyond,
-            of: points.len(),
-            axis,
-            largest_t: largest[axis.index()],
-            range_t: sensor.range_t[axis.index()],
+        let readings = sensed.readings_of_sensors_t(&points).map_err(FilmError::Points)?;
+        let is_beyond = |point: usize| {
+            let mut all = sensors.iter().zip(&readings);
+            all.any(|(sensor, readings_t)| sensor.is_saturated(sensor.digitized_t(readings_t[point])))
         };
-        Ok(axis.filter(|_| beyond > 0).map(of_axis))
+        let beyond = (0..points.len()).filter(|point| is_beyond(*point)).count();
+        let of_sensor = |(number, (sensor, readings_t)): (usize, (&HallSensor, &Vec<DVec3>))| {
+            let largest = readings_t.iter().fold(DVec3::ZERO, |most, reading| most.max(reading.abs()));
+            Axis::ALL.map(|axis| OutOfRange {
+                points: beyond,
+                of: points.len(),
+                axis,
+                largest_t: largest[axis.index()],
+                range_t: sensor.range_t[axis.index()],
+                sensor: head.map(|_| number + 1),
+            })
+        };
+        let excess = |of: &OutOfRange| of.largest_t / of.range_t;
+        let all = sensors.iter().zip(&readings).enumerate().flat_map(of_sensor);
+        Ok(all.max_by(|a, b| excess(a).total_cmp(&excess(b))).filter(|_| beyond > 0))
     }
 }
 
@@ -85,6 +99,23 @@ mod tests {
         let beyond = field.iter().filter(|b| b.abs().max_element() >= range_t).count();
         assert_eq!((found.points, found.of, found.axis), (beyond, 27, Axis::Z));
         assert!((found.largest_t - largest).abs() < 1e-12 && (found.range_t - range_t).abs() < 1e-12, "{found:?}");
+        // A sensor at the rim reads another field than the head, which reads the sum.
+        let of_head = |range: &str| {
+            let elements = format!(
+                "[[sensor.element]]\nposition_mm = [0, 0, 0]\nweight = 1\n{range}\n\
+                 [[sensor.element]]\nposition_mm = [9, 0, 0]\nweight = -1\n"
+            );
+            film(&format!("[sensor]\nrange_mt = 1000\n{elements}")).out_of_range().expect("readings")
+        };
+        assert_eq!(of_head(""), None);
+        let of_first = of_head(&format!("range_mt = {}", 1e3 * range_t)).expect("beyond the range");
+        assert_eq!(
+            of_first,
+            OutOfRange {
+                sensor: Some(1),
+                ..film(&format!("[sensor]\nrange_mt = {}", 1e3 * range_t)).out_of_range().unwrap().unwrap()
+            }
+        );
         // The range of x alone.
         let found = film("[sensor]\nrange_mt = [0.001, 1000, 1000]").out_of_range().expect("readings");
         assert_eq!(found.expect("beyond the range").axis, Axis::X);
