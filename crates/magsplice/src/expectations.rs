@@ -2,6 +2,7 @@
 
 use std::cell::OnceCell;
 
+use glam::DVec3;
 use magsplice_decouple::{Figure, Figures};
 use magsplice_expect::{Baseline, Clearance, Expectation, Outcome};
 
@@ -60,8 +61,15 @@ impl Film {
                 }
                 Expectation::Clearance => {
                     let (tiles, volume) = (self.layout().bare_tiles(), self.volume()?);
-                    let clearance = Clearance::from_tiles(&tiles, volume.lower_mm, volume.upper_mm);
-                    Outcome::from_clearance(expected, &clearance.ok_or(FilmError::NoTiles)?)
+                    let places = self
+                        .layout()
+                        .head()
+                        .map_or_else(|| vec![DVec3::ZERO], |head| head.elements.iter().map(|of| of.place).collect());
+                    let at =
+                        |place: DVec3| Clearance::from_tiles(&tiles, volume.lower_mm + place, volume.upper_mm + place);
+                    let all = places.into_iter().filter_map(at);
+                    let least = all.min_by(|a, b| a.distance.total_cmp(&b.distance)).ok_or(FilmError::NoTiles)?;
+                    Outcome::from_clearance(expected, &least)
                 }
                 Expectation::Made(figure) => {
                     let made = expected.made.as_ref().ok_or(FilmError::Missing("expect.made"))?;
