@@ -2,7 +2,9 @@
 
 use fearless_simd::Level;
 use glam::{DMat3, DVec3};
-use magsplice_magnet::{Accuracy, Grid, MU_0, PointError, PointErrorCause, PointErrors, Quantity, Tile, Tolerance};
+use magsplice_magnet::{
+    Accuracy, BoundingBox, Grid, MU_0, PointError, PointErrorCause, PointErrors, Quantity, Tile, Tolerance,
+};
 use magsplice_simd::{InstructionSet, MissingInstructions};
 
 use crate::interpolation::fitted_field::{FittedField, FittedFieldError};
@@ -77,6 +79,11 @@ impl Scene {
     /// Number of tiles.
     pub fn tile_count(&self) -> usize {
         self.direct.tiles().len()
+    }
+
+    /// The box around all tiles.
+    pub fn bounding_box(&self) -> BoundingBox {
+        BoundingBox::from_tiles(self.direct.tiles())
     }
 
     /// The accuracy of the fields.

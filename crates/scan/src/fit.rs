@@ -102,7 +102,7 @@ impl<'a> From<&'a Scene> for ScanField<'a> {
 /// Unless the fit is as expected (its residual is the noise of the sensor or 1 % of the readings;
 /// or 10 %, with nearly the strength of the layout), other starts are searched, as far as `free`
 /// has rotation and start: the 48 signed exchanges of the axes of the stage, then shifts of the
-/// scan about `centre`, the likely place of its middle. A start with more changes is reported if it
+/// scan about `centre`, the likely place of its middle, and nearer to the film. A start with more changes is reported if it
 /// fits twice as well. Where z counted downwards brings the scan nearer to `centre`, this is tried
 /// first: below a symmetric film, one plane looks like one of a sensor with a reversed axis.
 ///
@@ -149,11 +149,17 @@ pub fn fit_scan<'a>(
     };
     let down = downwards(points, centre).filter(|_| free.start).and_then(|start| from(&start).ok());
     if let Some(fit) = down.as_ref().filter(|fit| is_expected(fit)) {
-        return Ok(fit.clone());
+        // A film that is scanned from its other side, as stated, has no reversed strength.
+        let stated = from(&Start::PERFECT).ok().filter(|stated| {
+            stated.parameters.strength > 0.0 && is_expected(stated) && stated.noise_t <= SIMILAR * fit.noise_t
+        });
+        return Ok(stated.unwrap_or_else(|| fit.clone()));
     }
     let oriented = found(Search::Sensor);
     let mut best = match oriented {
-        Some(fit) if is_expected(&fit) => Ok(fit),
+        Some(fit) if is_expected(&fit) && fit.sensor_axes == SignedAxes::SAME => Ok(fit),
+        // The axes of the stage look like those of the sensor below a nearly symmetric film.
+        Some(fit) if is_expected(&fit) => better(Ok(fit), found(Search::Stage)),
         oriented => better(from(&Start::PERFECT), oriented),
     };
     // With the strength held, errors of the tiles do not look like another unit.
@@ -199,7 +205,13 @@ pub fn fit_scan<'a>(
     }
     // A symmetric film looks alike from both sides, and errors of the tiles leave a residual in
     // both.
-    let is_as_good = |down: &ScanFit| best.as_ref().ok().is_none_or(|fit| down.noise_t <= SIMILAR * fit.noise_t);
+    let is_as_good = |down: &ScanFit| {
+        best.as_ref().ok().is_none_or(|fit| {
+            // A film has no reversed strength.
+            let is_likelier = down.parameters.strength > 0.0 || fit.parameters.strength <= 0.0;
+            is_likelier && down.noise_t <= SIMILAR * fit.noise_t
+        })
+    };
     let fit = match down.filter(is_as_good) {
         Some(down) => down,
         None => best?,

@@ -1,6 +1,8 @@
 //! Where a fit starts: signed exchanges of the axes of sensor and stage, and shifts of the scan.
 
 use glam::{DMat3, DQuat, DVec3};
+use magsplice_field::Scene;
+use magsplice_magnet::BoundingBox;
 use magsplice_sensor::SensedField;
 use nalgebra::{Matrix3, Matrix4, SMatrix};
 use rayon::prelude::*;
@@ -16,6 +18,10 @@ const STEP: f64 = 1.5;
 /// Numbers of steps to each side along x, y, z: three quarters of a wavelength, and a quarter along
 /// z, beyond which the field hardly exists or the sensor is in the film.
 const STEPS: [i32; 3] = [3, 3, 1];
+
+/// Distances of likely planes from the film, over that of the likely place of a scan: films are
+/// scanned in the working volume, or a millimetre or two below where faulty tiles are seen best.
+const HEIGHTS: [f64; 3] = [1.0, 0.5, 0.25];
 
 /// Number of starts of one search that are fitted.
 const FITTED: usize = 6;
@@ -68,7 +74,7 @@ impl Search {
     }
 
     /// Largest number of readings by which starts are compared. Twelve coefficients are determined
-    /// by three numbers of each. The last search has up to 7000 starts.
+    /// by three numbers of each. The last search has up to 21 000 starts.
     const fn compared(self) -> usize {
         match self {
             Search::Sensor | Search::Stage => 100,
@@ -93,10 +99,11 @@ pub(crate) fn starts(
     let lower = points.iter().copied().reduce(DVec3::min).unwrap_or_default();
     let upper = points.iter().copied().reduce(DVec3::max).unwrap_or_default();
     let middle = 0.5 * (lower + upper);
+    let places = centre.map_or_else(Vec::new, |centre| planes(field.scene(), centre));
     let stages = if search == Search::Sensor { vec![SignedAxes::SAME] } else { SignedAxes::all() };
     let of_stage = |stage_axes: SignedAxes| -> Vec<(f64, Start)> {
         let turned: Vec<DVec3> = points.iter().map(|point| stage_axes.apply(*point)).collect();
-        let likely = centre.map(|centre| centre - stage_axes.apply(middle));
+        let likely: Vec<DVec3> = places.iter().map(|place| *place - stage_axes.apply(middle)).collect();
         let oriented = |shift: DVec3| {
             let places: Vec<DVec3> = turned.iter().map(|point| *point + shift).collect();
             // A place without a field, such as in a tile, is no place of a sensor.
@@ -106,9 +113,16 @@ pub(crate) fn starts(
                 Start { stage_axes, parameters: ScanParameters { start: shift, ..start.parameters }, ..start },
             ))
         };
-        search.shifts(field, &turned, likely).into_iter().filter_map(oriented).collect()
+        search.shifts(field, &turned, &likely).into_iter().filter_map(oriented).collect()
     };
     simplest_first(stages.into_par_iter().flat_map_iter(of_stage).collect())
+}
+
+/// The likely place of the middle of a scan, then the places between it and the film.
+fn planes(scene: &Scene, centre: DVec3) -> Vec<DVec3> {
+    let BoundingBox { lower, upper } = scene.bounding_box();
+    let face = centre.z.clamp(lower.z, upper.z);
+    HEIGHTS.map(|height| DVec3::new(centre.x, centre.y, face + height * (centre.z - face))).to_vec()
 }
 
 /// At most so many of the usable points and readings, evenly along the scan.
@@ -141,29 +155,38 @@ fn simplest_first(found: Vec<(f64, Start)>) -> Vec<Start> {
 }
 
 impl Search {
-    /// The shifts to be tried: none, and the one that brings the scan to its likely place, or those
-    /// about it.
-    fn shifts(self, field: &SensedField, points: &[DVec3], likely: Option<DVec3>) -> Vec<DVec3> {
-        let likely = likely.filter(|_| self != Search::Sensor);
+    /// The shifts to be tried: none, and those that bring the scan to its likely places, or those
+    /// about them.
+    fn shifts(self, field: &SensedField, points: &[DVec3], likely: &[DVec3]) -> Vec<DVec3> {
         let mut shifts = vec![DVec3::ZERO];
-        shifts.extend(likely);
-        let Some(likely) = likely.filter(|_| self == Search::Shifts) else { return shifts };
-        let places: Vec<DVec3> = points.iter().map(|point| *point + likely).collect();
-        let (Ok(field_t), Ok(gradients)) = (field.readings_t(&places), field.gradients(&places)) else { return shifts };
-        let squares = |matrix: &DMat3| matrix.to_cols_array().iter().map(|g| g * g).sum::<f64>();
-        let field_squares: f64 = field_t.iter().map(|field| field.length_squared()).sum();
-        let step = STEP * (field_squares / gradients.iter().map(squares).sum::<f64>()).sqrt();
-        if !step.is_finite() {
-            return shifts;
+        if self != Search::Sensor {
+            shifts.extend(likely);
         }
-        let [x, y, z] = STEPS.map(|steps| -steps..=steps);
-        for i in x {
-            for j in y.clone() {
-                shifts.extend(z.clone().map(|k| likely + step * DVec3::from([i, j, k].map(f64::from))));
-            }
+        if self == Search::Shifts {
+            shifts.extend(likely.iter().flat_map(|likely| about(field, points, *likely)));
         }
         shifts
     }
+}
+
+/// The shifts about one that brings the scan to a likely place.
+fn about(field: &SensedField, points: &[DVec3], likely: DVec3) -> Vec<DVec3> {
+    let places: Vec<DVec3> = points.iter().map(|point| *point + likely).collect();
+    let (Ok(field_t), Ok(gradients)) = (field.readings_t(&places), field.gradients(&places)) else { return Vec::new() };
+    let squares = |matrix: &DMat3| matrix.to_cols_array().iter().map(|g| g * g).sum::<f64>();
+    let field_squares: f64 = field_t.iter().map(|field| field.length_squared()).sum();
+    let step = STEP * (field_squares / gradients.iter().map(squares).sum::<f64>()).sqrt();
+    if !step.is_finite() {
+        return Vec::new();
+    }
+    let [x, y, z] = STEPS.map(|steps| -steps..=steps);
+    let mut shifts = Vec::new();
+    for i in x {
+        for j in y.clone() {
+            shifts.extend(z.clone().map(|k| likely + step * DVec3::from([i, j, k].map(f64::from))));
+        }
+    }
+    shifts
 }
 
 /// Orientation, strength and offset of the best linear function of the field, and the largest error

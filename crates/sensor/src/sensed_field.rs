@@ -171,7 +171,8 @@ impl<'a> SensedField<'a> {
         &self.sensor
     }
 
-    pub(crate) fn scene(&self) -> &'a Scene {
+    /// The tiles and their field.
+    pub fn scene(&self) -> &'a Scene {
         self.scene
     }
 

@@ -19,14 +19,19 @@ use crate::stage::Stage;
 
 /// Offset, in tesla, that a sensor in the field of the earth hardly has: the field of the earth is
 /// at most 65 uT, and offsets of magnetometers are about as large.
-const MOST_OFFSET_T: f64 = 2e-4;
+pub(super) const MOST_OFFSET_T: f64 = 2e-4;
 
 /// Residual over the readings from which on the film is not as ordered, or turned. Sensors read
 /// fields to a per cent.
 const MOST_SHARE: f64 = 0.02;
 
-/// Residual over the readings that a turn of the film leaves at most where nothing else fits.
+/// Residual over the readings that a turn of the film leaves at most.
 const LARGE_SHARE: f64 = 0.1;
+
+/// Turn of the film, in degrees, from which on a scan may not fit at all without it. Smaller ones
+/// move tiles 10 mm from the middle by less than a millimetre, half of the length over which fields
+/// change.
+const LARGE_DEG: f64 = 5.0;
 
 /// Residual with a turn of the film over that without one, below which the turn is named beside
 /// errors of the tiles. Turns do not reduce those of films made by hand by a tenth.
@@ -208,7 +213,8 @@ impl Film {
                 let reading_t = (squares / (3 * finite().count().max(1)) as f64).sqrt();
                 let turn = film_turn(field, points_mm, readings_t);
                 let is_small = |turn: &FilmTurn| turn.residual_t < LARGE_SHARE * reading_t;
-                let turn = turn.filter(|turn| is_small(turn) || turn.explains(reading_t));
+                let is_large = |turn: &FilmTurn| turn.angle_deg.abs() >= LARGE_DEG;
+                let turn = turn.filter(|turn| is_small(turn) || is_large(turn) && turn.explains(reading_t));
                 return Err(FilmError::Scan(turn.map_or(error, ScanError::Turned)));
             }
             Ok(fit) => fit,
@@ -228,7 +234,8 @@ impl Film {
         let sensor_noise_t = self.layout().sensor.as_ref().map_or(0.0, |of| of.as_one().deviation_t().max_element());
         let most_t = if sensor_noise_t > 0.0 { KNOWN_NOISE * sensor_noise_t } else { MOST_SHARE * reading_t };
         let turn = match fit.noise_t > most_t {
-            true => film_turn(field, points_mm, readings_t).filter(|turn| turn.is_below(BETTER, fit.noise_t)),
+            true => film_turn(field, points_mm, readings_t)
+                .filter(|turn| turn.is_below(BETTER, fit.noise_t) && turn.residual_t < LARGE_SHARE * reading_t),
             false => None,
         };
         if let Some(turn) = turn.filter(|turn| turn.explains(fit.noise_t)) {
