@@ -62,11 +62,6 @@ pub struct HeadFit {
     pub chi_squared: f64,
     /// Its expectation for normal noise: the readings less the fitted numbers.
     pub degrees_of_freedom: usize,
-    /// The sensor without which chi squared is least.
-    pub suspect: usize,
-    /// Chi squared without that sensor, which has three degrees of freedom less. `None` if the
-    /// others do not determine the numbers.
-    pub chi_squared_without: Option<f64>,
 }
 
 impl HeadFit {
@@ -74,14 +69,6 @@ impl HeadFit {
     /// degrees of freedom.
     pub fn probability(&self) -> Option<f64> {
         probability(self.chi_squared, self.degrees_of_freedom)
-    }
-
-    /// The sensor without which the residual is noise, where the residual of all is not: each by
-    /// its probability of a larger chi squared.
-    pub fn contradicting_sensor(&self, false_alarm: f64) -> Option<usize> {
-        let is_noise = |probability: Option<f64>| probability.is_some_and(|of| of >= false_alarm);
-        let without = probability(self.chi_squared_without?, self.degrees_of_freedom.checked_sub(3)?);
-        (!is_noise(self.probability()) && is_noise(without)).then_some(self.suspect)
     }
 }
 
@@ -101,6 +88,6 @@ pub struct HeadResolution {
 }
 
 /// The probability of a larger chi squared. `None` without degrees of freedom.
-fn probability(chi_squared: f64, freedom: usize) -> Option<f64> {
+pub(crate) fn probability(chi_squared: f64, freedom: usize) -> Option<f64> {
     Some(ChiSquared::new(freedom as f64).ok()?.sf(chi_squared))
 }

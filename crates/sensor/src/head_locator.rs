@@ -3,12 +3,11 @@
 use glam::{DMat3, DQuat, DVec3};
 use magsplice_field::Scene;
 use magsplice_magnet::{Grid, PointErrors, Quantity};
-use nalgebra::{SMatrix, SVector};
 use rayon::prelude::*;
 use thiserror::Error;
 
 use crate::descent::{Region, SAME_FIELD};
-use crate::head_fit::{HeadFit, HeadResolution, HeadUnknowns};
+use crate::head_fit::{HeadFit, HeadResolution, HeadUnknowns, probability};
 use crate::locator::{APART, LocateError, Locator, ON_SURFACE};
 use crate::normal_equations::{MOST, Normal, Step, covariance, deviations, part, step};
 use crate::sensed_field::{Part, SensedField};
@@ -34,6 +33,10 @@ const LONGEST_TURN: f64 = 0.2;
 /// Rise of chi squared up to which a second position explains the readings as well: less than one
 /// in 10 000 right positions is so much worse than a wrong one.
 const ALIKE: f64 = 16.0;
+
+/// Starts along each axis of the volume of a search without one of the sensors, whose weighted sum
+/// is not known. A quarter of a wavelength apart in volumes of half a wavelength.
+const STARTS_ALONG: usize = 3;
 
 /// Number of readings processed at a time, which bounds the memory.
 const BATCH: usize = 1 << 12;
@@ -93,8 +96,7 @@ struct Compared {
     reading_squares: f64,
     normal: Normal,
     right: Step,
-    /// For each sensor: whitened residual, and its derivatives.
-    residuals: Vec<DVec3>,
+    /// For each sensor: the derivatives of its whitened residual.
     slopes: Vec<[DVec3; MOST]>,
 }
 
@@ -164,7 +166,7 @@ impl<'a> HeadLocator<'a> {
             let field_t = self.scene.field_at(Quantity::FluxDensity, &points).ok()?;
             let gradient = self.scene.gradient_at(Quantity::FluxDensity, &points).ok()?;
             let zeros = vec![DVec3::ZERO; self.sensors.len()];
-            let compared = self.compared(&numbers, &zeros, &mut field_t.into_iter().zip(gradient));
+            let compared = self.compared(&self.sensors, &numbers, &zeros, &mut field_t.into_iter().zip(gradient));
             let covariance = covariance(&compared.normal, self.unknowns)?;
             let [position, stray_t] = [0, 3].map(|from| deviations(&covariance, from));
             let of_position = covariance.fixed_view::<3, 3>(0, 0).into_owned();
@@ -237,7 +239,7 @@ impl<'a> HeadLocator<'a> {
             }));
         }
         searches.iter_mut().enumerate().for_each(|(index, search)| search.index = index);
-        let mut ends = self.ends(searches).into_iter();
+        let mut ends = self.ends(&self.sensors, searches).into_iter();
         let of_row = |starts: Result<Vec<DVec3>, LocateError>| {
             let ends: Vec<Option<(Numbers, Compared)>> = ends.by_ref().take(starts?.len()).collect();
             self.only(ends.into_iter().flatten().collect())
@@ -261,8 +263,49 @@ impl<'a> HeadLocator<'a> {
         Ok(self.sum.starts(sum_t.sum(), thorough))
     }
 
+    /// The sensor without which all others agree best, and in more than half of these readings: the
+    /// residual of their fit is as large in more than this share of right readings. `None` if there
+    /// is none, if there is another one that explains them nearly as well, and if the others have no
+    /// more readings than unknowns.
+    ///
+    /// # Panics
+    /// If the number of readings is no multiple of that of the sensors.
+    pub fn contradicting_sensor(&self, readings_t: &[DVec3], false_alarm: f64) -> Option<usize> {
+        let count = self.sensors.len();
+        assert_eq!(readings_t.len() % count, 0, "one reading of each sensor");
+        let freedom = (3 * (count - 1)).checked_sub(self.unknowns.count()).filter(|freedom| *freedom > 0)?;
+        let (lower, upper) = (self.grid().lower(), self.grid().upper());
+        let steps = Grid::new(lower, upper, [STARTS_ALONG; 3]).ok()?;
+        let without = |left_out: usize| -> Option<(f64, usize)> {
+            let mut sensors = self.sensors.clone();
+            // Its residuals and their derivatives are 0.
+            sensors[left_out].deviation_t = DVec3::INFINITY;
+            let least = |row: &[DVec3]| {
+                let search = |(index, start): (usize, DVec3)| Search {
+                    index,
+                    readings_t: row,
+                    best: None,
+                    candidate: Numbers { position: start, stray_t: DVec3::ZERO, rotation: DQuat::IDENTITY },
+                    step: Step::zeros(),
+                };
+                let ends = self.ends(&sensors, steps.points().enumerate().map(search).collect());
+                ends.iter().flatten().map(|(_, of)| of.chi_squared).fold(f64::INFINITY, f64::min)
+            };
+            let all: Vec<f64> = readings_t.chunks(count).map(least).collect();
+            let is_noise = |of: &&f64| probability(**of, freedom).is_some_and(|of| of >= false_alarm);
+            (2 * all.iter().filter(is_noise).count() > all.len()).then(|| (all.iter().sum(), left_out))
+        };
+        let mut agreeing: Vec<(f64, usize)> = (0..count).into_par_iter().filter_map(without).collect();
+        agreeing.sort_by(|a, b| a.0.total_cmp(&b.0));
+        match agreeing[..] {
+            [(best, _), (next, _), ..] if next < best + ALIKE => None,
+            [(_, sensor), ..] => Some(sensor),
+            [] => None,
+        }
+    }
+
     /// The ends of searches, in their order; `None` where steps left the field.
-    fn ends(&self, searches: Vec<Search>) -> Vec<Option<(Numbers, Compared)>> {
+    fn ends(&self, sensors: &[Sensor], searches: Vec<Search>) -> Vec<Option<(Numbers, Compared)>> {
         let mut ends: Vec<Option<(Numbers, Compared)>> = searches.iter().map(|_| None).collect();
         let mut active = searches;
         for _ in 0..MOST_STEPS {
@@ -278,7 +321,7 @@ impl<'a> HeadLocator<'a> {
             let mut at = field_t.into_iter().zip(gradient);
             let mut going = Vec::with_capacity(active.len());
             for mut search in active {
-                let compared = self.compared(&search.candidate, search.readings_t, &mut at);
+                let compared = self.compared(sensors, &search.candidate, search.readings_t, &mut at);
                 if search.advance(compared, &self.unknowns, &self.region) {
                     let index = search.index;
                     ends[index] = search.best;
@@ -301,6 +344,7 @@ impl<'a> HeadLocator<'a> {
     /// Measured readings compared with those at numbers, from the field at their points.
     fn compared(
         &self,
+        sensors: &[Sensor],
         at: &Numbers,
         readings_t: &[DVec3],
         field: &mut impl Iterator<Item = (DVec3, DMat3)>,
@@ -308,8 +352,8 @@ impl<'a> HeadLocator<'a> {
         let back = DMat3::from_quat(at.rotation.inverse());
         let (mut normal, mut right) = (Normal::zeros(), Step::zeros());
         let (mut chi_squared, mut reading_squares) = (0.0, 0.0);
-        let (mut residuals, mut slopes) = (Vec::new(), Vec::new());
-        for (sensor, reading_t) in self.sensors.iter().zip(readings_t) {
+        let mut slopes = Vec::new();
+        for (sensor, reading_t) in sensors.iter().zip(readings_t) {
             let Part { sensor: hall, nodes } = &sensor.part;
             // Along the axes of the board: the mean over each plate, and its derivatives.
             let means: Vec<(DVec3, [DVec3; MOST])> = nodes
@@ -346,10 +390,9 @@ impl<'a> HeadLocator<'a> {
             }
             chi_squared += residual.length_squared();
             reading_squares += (*reading_t / sensor.deviation_t).length_squared();
-            residuals.push(residual);
             slopes.push(slope);
         }
-        Compared { chi_squared, reading_squares, normal, right, residuals, slopes }
+        Compared { chi_squared, reading_squares, normal, right, slopes }
     }
 
     /// The only position in the volume among the ends of the searches.
@@ -390,17 +433,6 @@ impl<'a> HeadLocator<'a> {
     /// The fit at the end of a search.
     fn fit(&self, (at, of): &(Numbers, Compared), is_within: bool) -> Result<HeadFit, LocateError> {
         let covariance = covariance(&of.normal, self.unknowns).ok_or(LocateError::Undetermined)?;
-        // Chi squared falls by r' (1 - H)^-1 r without a sensor, where H is its part of the
-        // projection on the slopes (R. D. Cook and S. Weisberg, Residuals and Influence in
-        // Regression, 1982, section 3.6).
-        let fall = |index: usize| -> Option<f64> {
-            let slopes = SMatrix::<f64, 3, MOST>::from_fn(|row, column| of.slopes[index][column][row]);
-            let left = SMatrix::<f64, 3, 3>::identity() - slopes * covariance * slopes.transpose();
-            let residual = SVector::<f64, 3>::from(of.residuals[index].to_array());
-            Some(residual.dot(&left.cholesky()?.solve(&residual)))
-        };
-        let falls = (0..self.sensors.len()).filter_map(|index| Some((index, fall(index)?)));
-        let suspect = falls.max_by(|a, b| a.1.total_cmp(&b.1));
         let (axis, angle) = at.rotation.to_axis_angle();
         Ok(HeadFit {
             position: at.position,
@@ -413,8 +445,6 @@ impl<'a> HeadLocator<'a> {
             rotation_deviation_rad: deviations(&covariance, 6),
             chi_squared: of.chi_squared,
             degrees_of_freedom: 3 * self.sensors.len() - self.unknowns.count(),
-            suspect: suspect.map_or(0, |(index, _)| index),
-            chi_squared_without: suspect.map(|(_, fall)| of.chi_squared - fall),
         })
     }
 }

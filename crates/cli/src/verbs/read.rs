@@ -123,11 +123,8 @@ pub(crate) fn run(args: &ReadArgs, quiet: bool) -> Result<(), Failure> {
     if !faults.is_empty() {
         session.tell(&faults.remarks(args.readings.display()));
     }
-    if let Some(remark) = found.of_head.as_ref().and_then(HeadFits::remark) {
+    for remark in found.of_head.iter().flat_map(HeadFits::remarks).chain(found.hint.clone()) {
         session.tell(&format!("{}: {remark}\n", args.readings.display()));
-    }
-    if let Some(hint) = &found.hint {
-        session.tell(&format!("{}: {hint}\n", args.readings.display()));
     }
     Ok(())
 }

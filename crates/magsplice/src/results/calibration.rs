@@ -7,6 +7,7 @@ use magsplice_scan::Exclusion;
 use magsplice_sensor::{LocateError, Located, Stiffness, StiffnessError};
 use serde::Serialize;
 
+use super::head_fits::HeadFits;
 use super::readings::FilmReadings;
 use super::scan::ExcludedReadings;
 use super::significant::number;
@@ -58,6 +59,9 @@ pub struct FilmCalibration {
     /// Other axes or another unit with which readings without a position have one.
     #[serde(skip)]
     pub hint: Option<String>,
+    /// Remarks on the readings of all sensors of a head.
+    #[serde(skip)]
+    pub of_head: Vec<String>,
 }
 
 impl FilmReadings {
@@ -114,6 +118,7 @@ impl FilmReadings {
             exchanged: exchanged(forces_n, &self.displacement_mm()),
             excluded: ExcludedReadings::new(&exclusions, numbers),
             hint: self.hint.clone(),
+            of_head: self.of_head.as_ref().map_or_else(Vec::new, HeadFits::remarks),
         })
     }
 }
@@ -187,6 +192,6 @@ impl FilmCalibration {
                 number(ratio)
             )
         });
-        hint.chain(unit).chain(exchanged).chain(without).chain(negative).collect()
+        hint.chain(self.of_head.iter().cloned()).chain(unit).chain(exchanged).chain(without).chain(negative).collect()
     }
 }

@@ -3,6 +3,7 @@
 use glam::DVec3;
 use magsplice_sensor::{HeadFit, HeadUnknowns};
 
+use super::scan::MOST_OFFSET_T;
 use super::table::ColumnQuantity;
 
 /// Probability that the residual of a right reading is called too large.
@@ -20,6 +21,9 @@ pub struct HeadFits {
     pub fits: Vec<Option<HeadFit>>,
     /// Whether deviations and residuals count in the noise of the sensors.
     pub has_noise: bool,
+    /// The index of the only sensor without which the others agree, where too many residuals are
+    /// too large.
+    pub contradicting: Option<usize>,
 }
 
 impl HeadFits {
@@ -35,29 +39,41 @@ impl HeadFits {
         self.has_noise && probability.is_some_and(|probability| probability < RESIDUAL_ALARM)
     }
 
-    /// Words for readings that the film, a uniform stray field and noise do not explain. `None` if
-    /// they are as rare as chance makes them.
-    pub fn remark(&self) -> Option<String> {
+    /// The readings with too large a residual. Empty if they are as rare as chance makes them.
+    pub(super) fn contradictory(&self) -> Vec<usize> {
         let large: Vec<usize> = (0..self.fits.len()).filter(|reading| self.is_residual_too_large(*reading)).collect();
         let located = self.fits.iter().flatten().count();
-        if large.is_empty() || (large.len() as f64) < MOST_ALARMS * located as f64 {
-            return None;
-        }
-        let fits = || large.iter().filter_map(|reading| self.fits[*reading].as_ref());
-        let mut without = vec![0_usize; fits().map(|fit| fit.suspect + 1).max().unwrap_or(0)];
-        fits().filter_map(|fit| fit.contradicting_sensor(RESIDUAL_ALARM)).for_each(|sensor| without[sensor] += 1);
-        let (sensor, most) = without.iter().enumerate().max_by_key(|(_, count)| **count)?;
-        let chip = match 2 * most > large.len() {
-            true => format!("; without sensor {} it is noise in {most} of them: that sensor is suspect", sensor + 1),
-            false => String::new(),
-        };
-        Some(format!(
-            "the residual of {} of {located} readings is larger than the noise allows (in 1 of {} by chance): iron or a \
-             magnet is near, the film differs from the layout, or sensors have another order, other axes, another unit \
-             or other errors than stated; the deviations do not contain this{chip}",
-            large.len(),
-            (1.0 / RESIDUAL_ALARM).round()
-        ))
+        if (large.len() as f64) < MOST_ALARMS * located as f64 { Vec::new() } else { large }
+    }
+
+    /// Words for readings that the film, a uniform stray field and noise do not explain, and for a
+    /// stray field that is hardly that of the earth.
+    pub fn remarks(&self) -> Vec<String> {
+        let located = self.fits.iter().flatten().count();
+        let large = self.contradictory();
+        let residual = (!large.is_empty()).then(|| {
+            let chip = self.contradicting.map_or(String::new(), |sensor| {
+                format!("; without sensor {} the others agree: that sensor is suspect", sensor + 1)
+            });
+            let stray = if self.unknowns.has_stray_field() { "" } else { "a stray field is there, " };
+            format!(
+                "the residual of {} of {located} readings is larger than the noise allows (in 1 of {} by chance): \
+                 {stray}iron or a magnet is near, the film differs from the layout, or sensors have another order, \
+                 other axes, another unit or other errors than stated; the deviations do not contain this{chip}",
+                large.len(),
+                (1.0 / RESIDUAL_ALARM).round()
+            )
+        });
+        let mut strays_t: Vec<f64> = self.fits.iter().flatten().map(|fit| fit.stray_t.length()).collect();
+        strays_t.sort_by(f64::total_cmp);
+        let stray = strays_t.get(strays_t.len() / 2).filter(|stray_t| **stray_t > MOST_OFFSET_T).map(|stray_t| {
+            format!(
+                "the fitted stray field is {:.0} uT in the median, several times the field of the earth: another magnet \
+                 is near, or a sensor has an offset or is broken",
+                1e6 * stray_t
+            )
+        });
+        residual.into_iter().chain(stray).collect()
     }
 
     /// Stray field, rotation, deviations and chi squared of each reading, as columns.

@@ -72,7 +72,7 @@ pub struct FilmReadings {
 /// Share of the readings without a position in the volume from which on another reading of the
 /// columns is tried, and the share of them that then must have one.
 const MOST_WITHOUT_POSITION: f64 = 0.5;
-const EXPLAINED: f64 = 0.9;
+pub(super) const EXPLAINED: f64 = 0.9;
 
 /// Least and largest number of readings without a position in the volume that are tried.
 const TRIED: [usize; 2] = [3, 20];
@@ -101,12 +101,8 @@ fn hint(
         ));
     }
     let volume = locator.grid();
-    let margin = NEAR * (volume.upper() - volume.lower());
-    let (lower, upper) = (volume.lower() - margin, volume.upper() + margin);
     let is_lost = |found: &Result<Located, LocateError>| match found {
-        Err(LocateError::Outside(Located { position, .. })) => {
-            position.cmplt(lower).any() || position.cmpgt(upper).any()
-        }
+        Err(LocateError::Outside(Located { position, .. })) => !is_near(*position, volume),
         found => matches!(found, Err(LocateError::NoPosition)),
     };
     let without: Vec<DVec3> =
@@ -121,6 +117,17 @@ fn hint(
         let has_position = |found: &&Result<Located, LocateError>| Located::of(found).is_some() && !is_lost(found);
         locator.locate(&changed).iter().filter(has_position).count() as f64 >= EXPLAINED * tried.len() as f64
     };
+    other_columns(are_explained)
+}
+
+/// Whether a position is in the volume, but for what noise may have moved it.
+pub(super) fn is_near(position: DVec3, volume: &Grid) -> bool {
+    let margin = NEAR * (volume.upper() - volume.lower());
+    position.cmpge(volume.lower() - margin).all() && position.cmple(volume.upper() + margin).all()
+}
+
+/// Words for another unit or other axes with which readings are explained.
+pub(super) fn other_columns(are_explained: impl Fn(&dyn Fn(DVec3) -> DVec3) -> bool) -> Option<String> {
     let unit = FLUX_DENSITIES.into_iter().find(|(unit, _)| are_explained(&|reading_t| *unit * reading_t));
     if let Some((unit, example)) = unit {
         return Some(format!(

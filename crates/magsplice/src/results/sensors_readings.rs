@@ -1,10 +1,15 @@
 //! Positions of a head from the readings of all its sensors.
 
+use std::collections::BTreeSet;
+
 use glam::DVec3;
+use magsplice_magnet::Grid;
 use magsplice_sensor::{HeadFit, HeadLocator, HeadUnknowns, LocateError, Located, Noise, mean_at_rest};
 
-use super::head_fits::HeadFits;
-use super::readings::{AtRest, FilmReadings, LOCATOR_BYTES_PER_POINT, MOST_DEVIATIONS, STRETCH};
+use super::head_fits::{HeadFits, RESIDUAL_ALARM};
+use super::readings::{
+    AtRest, EXPLAINED, FilmReadings, LOCATOR_BYTES_PER_POINT, MOST_DEVIATIONS, STRETCH, is_near, other_columns,
+};
 use super::source::Source;
 use crate::film::Film;
 use crate::film_error::FilmError;
@@ -80,29 +85,70 @@ impl Film {
             let outside = (volume.grid.lower() - fit.position).max(fit.position - volume.grid.upper());
             fit.is_within || has_noise && outside.cmple(MOST_DEVIATIONS * fit.position_deviation).all()
         };
-        let found = located.iter().map(|fit| match fit {
+        let located_of = |fit: &Result<HeadFit, LocateError>| match fit {
             Ok(fit) => {
                 let of_fit = Located { position: fit.position, gradient: fit.gradient };
                 if is_excused(fit) { Ok(of_fit) } else { Err(LocateError::Outside(of_fit)) }
             }
             Err(error) => Err(error.clone()),
-        });
+        };
+        let found: Vec<Result<Located, LocateError>> = located.iter().map(located_of).collect();
         let sums = readings_t.chunks(count).zip(&located).map(|(row, fit)| {
             let constant_free: Vec<DVec3> =
                 row.iter().zip(&constants_t).map(|(of, constant_t)| *of - *constant_t).collect();
             if fit.is_ok() { head.sum_t(&constant_free) } else { DVec3::NAN }
         });
         let closed_form_mm = self.closed_form_mm(&sensed, head.sum_t(&at_rest_t), sums);
+        let mut wrong: BTreeSet<usize> = (0..rows).filter(|row| is_lost(&located[*row], &volume.grid)).collect();
+        let fits = located.into_iter().map(Result::ok).collect();
+        let mut of_head = HeadFits { unknowns, fits, has_noise, contradicting: None };
+        let tried = |wrong: &BTreeSet<usize>| -> Vec<DVec3> {
+            let step = wrong.len().div_ceil(MOST_TRIED).max(1);
+            let rows = wrong.iter().step_by(step).flat_map(|row| &readings_t[count * row..count * (row + 1)]);
+            rows.copied().collect()
+        };
+        let contradictory: BTreeSet<usize> = of_head.contradictory().into_iter().collect();
+        wrong.extend(&contradictory);
+        let hint = (2 * wrong.len() > rows)
+            .then(|| other_columns(|change| explained_share(&locator, &tried(&wrong), change) >= EXPLAINED))
+            .flatten();
+        if hint.is_none() && !contradictory.is_empty() {
+            of_head.contradicting = locator.contradicting_sensor(&tried(&contradictory), RESIDUAL_ALARM);
+        }
         Ok(FilmReadings {
             source: Source::of(self),
             readings: rows,
-            found: found.collect(),
+            found,
             closed_form_mm,
             origin_mm,
             noise,
             elastomer: self.layout().elastomer,
-            hint: None,
-            of_head: Some(HeadFits { unknowns, fits: located.into_iter().map(Result::ok).collect(), has_noise }),
+            hint,
+            of_head: Some(of_head),
         })
     }
+}
+
+/// Largest number of readings by which causes of contradictions are tried.
+const MOST_TRIED: usize = 20;
+
+/// Whether a reading has no position in the volume, or is beyond the range of a sensor.
+fn is_lost(found: &Result<HeadFit, LocateError>, volume: &Grid) -> bool {
+    match found {
+        Ok(fit) => !is_near(fit.position, volume),
+        found => matches!(found, Err(LocateError::NoPosition | LocateError::Saturated)),
+    }
+}
+
+/// Share of readings that, changed so, have a position in the volume, and a residual that is noise.
+fn explained_share(locator: &HeadLocator, readings_t: &[DVec3], change: &dyn Fn(DVec3) -> DVec3) -> f64 {
+    let changed: Vec<DVec3> = readings_t.iter().map(|reading_t| change(*reading_t)).collect();
+    let fits = locator.locate(&changed);
+    let is_explained = |fit: &&Result<HeadFit, LocateError>| {
+        let is_noise = |fit: &HeadFit| {
+            !locator.has_noise() || fit.probability().is_none_or(|probability| probability >= RESIDUAL_ALARM)
+        };
+        fit.as_ref().is_ok_and(|fit| is_near(fit.position, locator.grid()) && is_noise(fit))
+    };
+    fits.iter().filter(is_explained).count() as f64 / fits.len().max(1) as f64
 }

@@ -137,23 +137,31 @@ fn false_alarms_are_as_rare_as_stated() {
     assert_eq!((pair.degrees_of_freedom, pair.probability()), (0, None));
 }
 
-/// A chip with an offset of 100 uT contradicts the others. That of the centre looks most like a
-/// stray field of 50 uT and another position: its probability is 1e-3 alone.
+/// A chip with an offset of 100 uT contradicts the others, and so does one whose axes are reversed
+/// or which is stuck. Of two exchanged chips, neither is at fault alone, and of right readings none.
 #[test]
 fn contradicting_sensors_are_named() {
     let (scene, grid) = film();
     let head = head(Board::Cross, 5.0, HallSensor::default());
     let locator = locator(&scene, &head, &grid, HeadUnknowns::StrayField).with_deviation(NOISE_T);
     let mut random = ChaCha8Rng::seed_from_u64(6);
+    let mut changed = |change: &dyn Fn(&mut [DVec3])| -> Vec<DVec3> {
+        let mut row = |_| {
+            let mut readings_t = readings_t(&scene, &head, place(&mut random), DVec3::splat(3e-5), DQuat::IDENTITY);
+            readings_t.iter_mut().for_each(|b| *b += noise(&mut random));
+            change(&mut readings_t);
+            readings_t
+        };
+        (0..3).flat_map(&mut row).collect()
+    };
+    let mut named = |change: &dyn Fn(&mut [DVec3])| locator.contradicting_sensor(&changed(change), 1e-3);
     for wrong in 0..5 {
-        let mut readings_t = readings_t(&scene, &head, place(&mut random), DVec3::ZERO, DQuat::IDENTITY);
-        readings_t.iter_mut().for_each(|b| *b += noise(&mut random));
-        readings_t[wrong] += DVec3::new(1e-4, 0.0, -5e-5);
-        let fit = locator.locate(&readings_t)[0].clone().unwrap();
-        assert_eq!(fit.contradicting_sensor(1e-3), Some(wrong), "{fit:?}");
+        assert_eq!(named(&|row| row[wrong] += DVec3::new(1e-4, 0.0, -5e-5)), Some(wrong));
+        assert_eq!(named(&|row| row[wrong] *= DVec3::new(1.0, 1.0, -1.0)), Some(wrong));
+        assert_eq!(named(&|row| row[wrong] = DVec3::new(1e-3, 2e-3, -1e-3)), Some(wrong));
     }
-    let right = readings_t(&scene, &head, place(&mut random), DVec3::ZERO, DQuat::IDENTITY);
-    assert_eq!(locator.locate(&right)[0].clone().unwrap().contradicting_sensor(1e-3), None);
+    assert_eq!(named(&|row| row.swap(1, 2)), None);
+    assert_eq!(named(&|_| ()), None);
 }
 
 /// Two sensors at one place do not tell a displacement from a stray field.
