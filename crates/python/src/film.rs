@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
 use magsplice::FilmError;
+use magsplice::head::Board;
 use magsplice::layout::{FilmTolerance, Layout, LayoutError, NamedTile, Preset};
 use magsplice::magnet::Tile;
 use magsplice_report::{tile_colours, tile_outline};
@@ -39,6 +40,9 @@ type Rows<'py> = Bound<'py, PyArray2<f64>>;
 /// First and last point, points along x, y, z, corners as written, step and reference point of a
 /// working volume.
 type Volume = (Triple, Triple, Triple<usize>, Triple, Triple, Triple, Triple);
+
+/// Board, spacing, places and weights of a head.
+type Head = (Option<&'static str>, Option<f64>, Vec<Triple>, Vec<Triple>);
 
 /// Names, kinds, centres, sides, polarizations, rotations, and own recoil permeabilities of tiles.
 type Tiles<'py> = (Vec<String>, Vec<Option<String>>, Rows<'py>, Rows<'py>, Rows<'py>, Rows<'py>, Rows<'py>);
@@ -144,6 +148,15 @@ impl Film {
             let [step, reference] = [volume.step_mm, volume.reference_mm].map(DVec3::into);
             (grid.lower().into(), grid.upper().into(), grid.counts().into(), lower, upper, step, reference)
         })
+    }
+
+    /// The board, the spacing, the places and the weights of a head.
+    #[getter]
+    fn _head(&self) -> Option<Head> {
+        let head = self.layout.sensor.as_ref()?.head.as_ref()?;
+        let (places, weights) =
+            head.sensors.elements.iter().map(|of| (Triple::from(of.place), Triple::from(of.weight))).unzip();
+        Some((head.board.map(Board::name), head.spacing_mm, places, weights))
     }
 
     /// Whether the reference point of the working volume is the default, or there is no volume.

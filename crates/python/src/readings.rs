@@ -69,7 +69,7 @@ pub(crate) fn read<'py>(
         ("rotation_deviation_deg", of_head("rotation_deviation_deg")?),
         ("chi_squared_over_freedom", of_head("chi_squared_over_freedom")?),
     ];
-    let remarks = read.of_head.as_ref().and_then(HeadFits::remark).into_iter().chain(read.hint.clone());
+    let remarks = read.of_head.iter().flat_map(HeadFits::remarks).chain(read.hint.clone());
     Ok((with_arrays(py, &read, more)?, remarks.collect()))
 }
 

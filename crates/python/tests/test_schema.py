@@ -2,7 +2,6 @@
 
 import copy
 import json
-import tomllib
 import subprocess
 from collections.abc import Iterator
 from pathlib import Path
@@ -11,6 +10,7 @@ from typing import Any
 import jsonschema
 import pytest
 import tomli_w
+import tomllib
 from conftest import LAYOUTS
 from test_keys import PROGRAM
 
@@ -45,7 +45,9 @@ def test_layouts_and_their_plain_forms_match_the_schema(
     for name, document in documents().items():
         film = magsplice.Film.from_dict(document, folder=LAYOUTS)
         for form in [document, film.to_dict()]:
-            errors = [f"{error.json_path}: {error.message}" for error in validator.iter_errors(form)]
+            errors = [
+                f"{error.json_path}: {error.message}" for error in validator.iter_errors(form)
+            ]
             assert errors == [], name
 
 
@@ -53,9 +55,9 @@ def tables(value: object, at: tuple[str | int, ...] = ()) -> Iterator[tuple[str 
     """The places of all tables of a document."""
     if isinstance(value, dict):
         yield at
-    members = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
-    for key, member in members:
-        yield from tables(member, (*at, key))
+        yield from (found for key, inner in value.items() for found in tables(inner, (*at, key)))
+    elif isinstance(value, list):
+        yield from (found for key, inner in enumerate(value) for found in tables(inner, (*at, key)))
 
 
 def at(document: Any, place: tuple[str | int, ...]) -> Any:
@@ -101,14 +103,14 @@ def test_schema_and_program_refuse_the_same_documents(
     places = [place for place in tables(EVERY_KEY) if place != ("kind",)]
     assert len(places) > 20
     for place in places:
-        wrong[*place, "colour"] = copy.deepcopy(EVERY_KEY)
-        at(wrong[*place, "colour"], place)["colour"] = "red"
+        wrong[(*place, "colour")] = copy.deepcopy(EVERY_KEY)
+        at(wrong[(*place, "colour")], place)["colour"] = "red"
     for place, value in WRONG_TYPES:
         wrong[place] = copy.deepcopy(EVERY_KEY)
         at(wrong[place], place[:-1])[place[-1]] = value
     for place in REQUIRED:
-        wrong[*place, "missing"] = copy.deepcopy(EVERY_KEY)
-        del at(wrong[*place, "missing"], place[:-1])[place[-1]]
+        wrong[(*place, "missing")] = copy.deepcopy(EVERY_KEY)
+        del at(wrong[(*place, "missing")], place[:-1])[place[-1]]
     layout = tmp_path / "layout.toml"
     layout.write_text(tomli_w.dumps(EVERY_KEY))
     assert run("tiles", layout).returncode == 0

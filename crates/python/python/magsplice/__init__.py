@@ -41,6 +41,8 @@ Film.forces
     Forces of the tiles on each other, and placement orders.
 Film.read, Film.resolution
     Displacements and forces from readings of a Hall sensor.
+Film.head, Head
+    Several sensors on one board, read as one.
 Film.experiment, Film.c_header
     Readings of a sensor while the film moves, and a function for firmware.
 Film.parts
@@ -77,6 +79,7 @@ from magsplice._experiment import Experiment
 from magsplice._figures import Estimate, Figures, Statistics
 from magsplice._film import Assignment, Design, Film, Front
 from magsplice._forces import Forces, PlacementOrder
+from magsplice._head import Head
 from magsplice._layout import Grid, Ideal, Lattice, Tile, Tiles, Volume
 from magsplice._load import from_magpylib, load, loads, pattern, splice
 from magsplice._magpylib.fields import getB, getH
@@ -129,6 +132,7 @@ __all__ = [
     "Forces",
     "Front",
     "Grid",
+    "Head",
     "Ideal",
     "Improvement",
     "Lattice",

@@ -29,6 +29,7 @@ from magsplice._check import Check, read_baseline
 from magsplice._comparison import Comparison, Decoupling
 from magsplice._figures import Statistics
 from magsplice._forces import Forces, steps_of
+from magsplice._head import HEAD_KEYS, Head
 from magsplice._layout import (
     KEYS,
     Floats,
@@ -263,6 +264,14 @@ class Film(Sensed):
         *_, lower, upper, step, reference = volume
         x, y, z = zip(lower, upper, strict=True)
         return Volume(x, y, z, step[0] if len(set(step)) == 1 else step, reference)
+
+    @property
+    def head(self) -> Head | None:
+        """The sensors that are read as one weighted sum; None if the layout has a single sensor."""
+        if self._head is None:
+            return None
+        board, spacing_mm, places, weights = self._head
+        return Head(board, spacing_mm, tuple(places), tuple(weights))
 
     @property
     def grid(self) -> Grid | None:
@@ -989,6 +998,8 @@ _OF_SETTINGS = ("noise_ut", "count_ut", "range_mt")
 def _merged(name: str, before: Mapping[str, Any], table: Any) -> Any:
     """Table with the keys of the table before that it does not have."""
     known = before.get(name)
+    if isinstance(table, Head):
+        table = dict.fromkeys(HEAD_KEYS) | table.to_dict()
     if isinstance(table, Mapping) and isinstance(known, dict) and _PRESETS.get(name) not in table:
         if name == "sensor" and any(key in table for key in _SETTINGS):
             known = {key: value for key, value in known.items() if key not in _OF_SETTINGS}
@@ -1094,6 +1105,9 @@ class Design(Result):
     )
     stages: list[SearchStage] = key("Stages of the search.", SearchStage)
     parts: int = key("Number of distinct parts.")
+    spacing_mm: float | None = key(
+        "Spacing of the head, where the search varied it, in millimetres; None otherwise."
+    )
     starts_that_agree: int = key("Number of starts with an error within a tenth of the best.")
     short_of: list[str] = key(
         """Demands that the film does not meet, among them an error of at most a tenth of the

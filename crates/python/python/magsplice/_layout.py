@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from magsplice import _magsplice
 from magsplice._arguments import whole
 from magsplice._arrow import Column, Table, split
+from magsplice._head import Head
 from magsplice.errors import LayoutError
 
 Floats = NDArray[np.float64]
@@ -407,7 +408,7 @@ def table_of(part: Any) -> Any:
     """Part of a layout as a table of a layout file."""
     if isinstance(part, (Ideal, Volume)):
         return dict(vars(part))
-    if isinstance(part, (Tile, Lattice)):
+    if isinstance(part, (Tile, Lattice, Head)):
         return part.to_dict()
     if isinstance(part, Tiles):
         return [tile.to_dict() for tile in part]

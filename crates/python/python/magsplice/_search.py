@@ -34,6 +34,7 @@ class OutOfRange(Result):
     axis: str = key("Axis along which a reading exceeds the range most, as a ratio.")
     largest_t: float = key("Largest magnitude of a reading along this axis, without the limit.")
     range_t: float = key("Range along this axis.")
+    sensor: int | None = key("Number of the sensor of a head, from 1; None for a single sensor.")
 
 
 class SearchStage(Result):
