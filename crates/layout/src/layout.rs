@@ -105,8 +105,8 @@ impl Layout {
         Some(&self.sensor.as_ref()?.head.as_ref()?.sensors)
     }
 
-    /// The spacing of the head in millimetres. `None` without a head, and where its sensors have fixed
-    /// places.
+    /// The spacing of the head in millimetres. `None` without a head, and where its sensors have
+    /// fixed places.
     pub fn head_spacing_mm(&self) -> Option<f64> {
         self.sensor.as_ref()?.head.as_ref()?.spacing_mm
     }

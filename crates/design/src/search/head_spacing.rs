@@ -90,8 +90,8 @@ impl<'a> DesignProblem<'a> {
 }
 
 impl<'a> Spaced<'a> {
-    /// The film for another spacing, rounded to the resolution of the brief within the bounds. `None`
-    /// if no weights keep the form of the ideal film there, or the film has no such field.
+    /// The film for another spacing, rounded to the resolution of the brief within the bounds.
+    /// `None` if no weights keep the form of the ideal film there, or the film has no such field.
     fn at(&self, asked_mm: f64, (min, max): (f64, f64), update: ProgressUpdate, watch: &Watch) -> Option<Spaced<'a>> {
         let (problem, resolution_mm) = (&self.problem, self.problem.brief.resolution_mm);
         let rounded_mm = magsplice_layout::ten_decimals((asked_mm / resolution_mm).round() * resolution_mm);
