@@ -102,9 +102,10 @@ impl<'a> From<&'a Scene> for ScanField<'a> {
 /// Unless the fit is as expected (its residual is the noise of the sensor or 1 % of the readings;
 /// or 10 %, with nearly the strength of the layout), other starts are searched, as far as `free`
 /// has rotation and start: the 48 signed exchanges of the axes of the stage, then shifts of the
-/// scan about `centre`, the likely place of its middle, and nearer to the film. A start with more changes is reported if it
-/// fits twice as well. Where z counted downwards brings the scan nearer to `centre`, this is tried
-/// first: below a symmetric film, one plane looks like one of a sensor with a reversed axis.
+/// scan about `centre`, the likely place of its middle, and nearer to the film. A start with more
+/// changes is reported if it fits twice as well. Where z counted downwards brings the scan nearer
+/// to `centre`, this is tried first: below a symmetric film, one plane looks like one of a sensor
+/// with a reversed axis.
 ///
 /// # Errors
 /// See [`ScanError`].

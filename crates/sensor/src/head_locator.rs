@@ -265,8 +265,8 @@ impl<'a> HeadLocator<'a> {
 
     /// The sensor without which all others agree best, and in more than half of these readings: the
     /// residual of their fit is as large in more than this share of right readings. `None` if there
-    /// is none, if there is another one that explains them nearly as well, and if the others have no
-    /// more readings than unknowns.
+    /// is none, if there is another one that explains them nearly as well, and if the others have
+    /// no more readings than unknowns.
     ///
     /// # Panics
     /// If the number of readings is no multiple of that of the sensors.

@@ -138,7 +138,8 @@ fn false_alarms_are_as_rare_as_stated() {
 }
 
 /// A chip with an offset of 100 uT contradicts the others, and so does one whose axes are reversed
-/// or which is stuck. Of two exchanged chips, neither is at fault alone, and of right readings none.
+/// or which is stuck. Of two exchanged chips, neither is at fault alone, and of right readings
+/// none.
 #[test]
 fn contradicting_sensors_are_named() {
     let (scene, grid) = film();
