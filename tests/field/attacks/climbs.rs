@@ -10,6 +10,8 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
+use super::scene_numbers;
+
 /// Random places among which the best begins a climb.
 const FIRST: usize = 8;
 
@@ -106,6 +108,21 @@ fn climbs_keep_the_bound_of_the_field() {
 fn climbs_keep_the_bound_of_the_gradient() {
     let all = cfg!(feature = "all-cases");
     check(0..if all { 2_000 } else { 4 }, GRADIENT_BOUND, Place::gradient_error);
+}
+
+/// Random tiles and points, as many as `MAGSPLICE_SCENES` asks for.
+#[test]
+fn random_places_keep_the_bound_of_the_field() {
+    let error = |oracle: &mut Oracle, number: u64| {
+        let mut random = ChaCha8Rng::seed_from_u64(number);
+        let axes = random.random_range(0..9);
+        let place = Place::new([(); 6].map(|()| random.random_range(-1.0..1.0)), axes);
+        (place.field_error(oracle), place)
+    };
+    let all = scene_numbers(1000).into_par_iter().map_init(Oracle::for_moderate_scenes, error);
+    let (worst, place) = all.reduce_with(|a, b| if a.0 >= b.0 { a } else { b }).expect("places");
+    println!("largest error {worst:e} of {EXACT_BOUND:e}, {place:?}");
+    assert!(worst <= EXACT_BOUND && worst > 1e-3 * EXACT_BOUND, "{worst:e}, {place:?}");
 }
 
 /// Tops of longer climbs.
