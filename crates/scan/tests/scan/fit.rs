@@ -222,3 +222,28 @@ fn gain_and_offset_of_the_sensor_do_not_change_what_is_fitted() {
         }
     }
 }
+
+/// Scans of planes 1 mm from the film, where the field changes within a millimetre: with the origin
+/// at the film's corner or far away, and of the side above the film, with any origin.
+#[test]
+fn planes_near_the_film_are_found_from_any_origin() {
+    let (scene, grid) = film();
+    let lower = grid.iter().copied().reduce(DVec3::min).expect("points");
+    let upper = grid.iter().copied().reduce(DVec3::max).expect("points");
+    let centre = Some(0.5 * (lower + upper));
+    let below: Vec<DVec3> =
+        (0..361).map(|n| DVec3::new(f64::from(n % 19) - 9.0, f64::from(n / 19) - 9.0, -1.0)).collect();
+    let above: Vec<DVec3> = below.iter().map(|point| *point + DVec3::new(0.0, 0.0, 3.0)).collect();
+    for (points, origin) in
+        [(&below, DVec3::new(10.0, 10.0, 0.0)), (&below, DVec3::new(60.0, 40.0, 12.0)), (&above, DVec3::ZERO)]
+    {
+        let readings_t = scan(&scene, points, 1e-5, 4);
+        let moved: Vec<DVec3> = points.iter().map(|point| *point + origin).collect();
+        let (fit, free) = fit_determined(&scene, &moved, &readings_t, centre).unwrap();
+        assert_eq!(free, FreeParameters::ALL, "{origin}");
+        let ScanParameters { strength, start, .. } = fit.parameters;
+        let off = (start + origin - TRUTH.start).length();
+        assert!((strength - TRUTH.strength).abs() < 1e-3 && off < 0.01, "{origin}: {strength}, {start}");
+        assert!(fit.noise_t < 1.2e-5, "{origin}: {}", fit.noise_t);
+    }
+}
