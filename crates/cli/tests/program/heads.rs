@@ -74,10 +74,30 @@ fn contradicting_sensors_are_named() {
     assert_eq!((said.status, column(&said.stdout, "status")), (0, vec![6.0; 3]));
     let named = "the residual of 3 of 3 readings is larger than the noise allows (in 1 of 1000 by chance)";
     assert!(said.stderr.contains(named), "{}", said.stderr);
-    assert!(said.stderr.contains("without sensor 4 it is noise in 3 of them"), "{}", said.stderr);
+    assert!(said.stderr.contains("without sensor 4 the others agree: that sensor is suspect"), "{}", said.stderr);
     let said = sandbox.run(&["read", &film, "readings.csv", "--zero", "1"]);
     assert_eq!((said.stderr.as_str(), column(&said.stdout, "status")), ("", vec![0.0; 3]));
     assert!(column(&said.stdout, "stray_x_t").iter().all(|stray_t| stray_t.abs() < 1e-10), "{}", said.stdout);
+}
+
+/// Another unit or a reversed axis of all sensors, and a stray field that is not that of the earth.
+#[test]
+fn units_axes_and_strong_stray_fields_of_heads_are_named() {
+    let sandbox = Sandbox::new();
+    let film = shipped("heads/published-cross");
+    let exact = readings(&sandbox);
+    let remarks = |change: &dyn Fn(usize, f64) -> f64| {
+        let changed: Vec<Vec<f64>> =
+            exact.iter().map(|row| row.iter().enumerate().map(|(n, b)| change(n, *b)).collect()).collect();
+        write(&sandbox, 1, &changed);
+        sandbox.run(&["read", &film, "readings.csv"]).stderr
+    };
+    let unit = remarks(&|_, b| 1e3 * b);
+    assert!(unit.contains("readings times 0.001 have positions in the volume"), "{unit}");
+    let reversed = remarks(&|n, b| if n % 3 == 2 { -b } else { b });
+    assert!(reversed.contains("z is reversed: set gain = [1, 1, -1] in [sensor]"), "{reversed}");
+    let stray = remarks(&|n, b| if n % 3 == 0 { b + 1e-3 } else { b });
+    assert!(stray.contains("the fitted stray field is 1031 uT in the median"), "{stray}");
 }
 
 #[test]
