@@ -122,9 +122,19 @@ fn force_columns(finder: &mut Finder) -> Option<[Option<Column>; 3]> {
 fn sensors_columns(finder: &mut Finder, session: &Session) -> Option<Vec<[Column; 3]>> {
     let sensor = session.layout.sensor.as_ref();
     let head = sensor.and_then(|sensor| sensor.head.as_ref()).map_or(&[][..], |head| &head.sensors.elements);
-    let is_there = |first: &usize| NumberedReading::new(*first).with(|group| finder.fit(group)) > Fit::None;
-    match FIRST_NUMBERS.into_iter().find(is_there).filter(|_| head.len() > 1) {
+    let is_there =
+        |finder: &Finder, number: usize| NumberedReading::new(number).with(|group| finder.fit(group)) > Fit::None;
+    match FIRST_NUMBERS.into_iter().find(|first| is_there(finder, *first)).filter(|_| head.len() > 1) {
         Some(first) => {
+            let next = first + head.len();
+            if is_there(finder, next) {
+                finder.fault(format!(
+                    "has columns of sensor {next}, and the head of {} has {} sensors: bx{first} to bx{}",
+                    session.path.display(),
+                    head.len(),
+                    next - 1
+                ));
+            }
             let columns = |(number, of): (usize, &HeadElement)| {
                 let columns = NumberedReading::new(number).with(|group| finder.required(group));
                 columns.map(|columns| in_tesla(finder, session, columns, of.sensor.count_t))

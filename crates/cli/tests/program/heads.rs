@@ -110,6 +110,10 @@ fn readings_that_do_not_suit_the_head_are_refused() {
     sandbox.write("readings.csv", &text.replace("bz5_t", "note"));
     sandbox.run(&["read", &cross, "readings.csv"]).refuses("no column bz5_mt of the flux density");
     sandbox.write("readings.csv", &text);
+    sandbox.run(&["read", &pair, "readings.csv"]).refuses("has columns of sensor 3, and the head of ");
+    let first_two: String =
+        text.lines().map(|line| line.split(',').take(6).collect::<Vec<_>>().join(",") + "\n").collect();
+    sandbox.write("readings.csv", &first_two);
     sandbox
         .run(&["read", &pair, "readings.csv", "--fit", "pose"])
         .refuses("2 sensors give 6 numbers, fewer than the 9 that are fitted");

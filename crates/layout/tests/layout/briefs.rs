@@ -99,7 +99,7 @@ fn films_that_are_made_need_errors_and_the_displacement_as_goal() {
 
 #[test]
 fn variables_exclude_each_other() {
-    refused("vary = []", "cut, thickness, direction, tilt, strength");
+    refused("vary = []", "cut, thickness, direction, tilt, strength, head");
     accepted("vary = [\"cut\", \"direction\"]");
     for other in ["size", "position"] {
         refused(&format!("vary = [\"cut\", \"{other}\"]"), "must have only one of the two");
