@@ -19,6 +19,9 @@ const STEP: f64 = 1.5;
 /// z, beyond which the field hardly exists or the sensor is in the film.
 const STEPS: [i32; 3] = [3, 3, 1];
 
+/// The same about likely places nearer to the film.
+const NEAR_STEPS: [i32; 3] = [1, 1, 1];
+
 /// Distances of likely planes from the film, over that of the likely place of a scan: films are
 /// scanned in the working volume, or a millimetre or two below where faulty tiles are seen best.
 const HEIGHTS: [f64; 3] = [1.0, 0.5, 0.25];
@@ -74,7 +77,7 @@ impl Search {
     }
 
     /// Largest number of readings by which starts are compared. Twelve coefficients are determined
-    /// by three numbers of each. The last search has up to 21 000 starts.
+    /// by three numbers of each. The last search has up to 10 000 starts.
     const fn compared(self) -> usize {
         match self {
             Search::Sensor | Search::Stage => 100,
@@ -163,14 +166,15 @@ impl Search {
             shifts.extend(likely);
         }
         if self == Search::Shifts {
-            shifts.extend(likely.iter().flat_map(|likely| about(field, points, *likely)));
+            let steps = std::iter::once(STEPS).chain(std::iter::repeat(NEAR_STEPS));
+            shifts.extend(likely.iter().zip(steps).flat_map(|(likely, steps)| about(field, points, *likely, steps)));
         }
         shifts
     }
 }
 
 /// The shifts about one that brings the scan to a likely place.
-fn about(field: &SensedField, points: &[DVec3], likely: DVec3) -> Vec<DVec3> {
+fn about(field: &SensedField, points: &[DVec3], likely: DVec3, steps: [i32; 3]) -> Vec<DVec3> {
     let places: Vec<DVec3> = points.iter().map(|point| *point + likely).collect();
     let (Ok(field_t), Ok(gradients)) = (field.readings_t(&places), field.gradients(&places)) else { return Vec::new() };
     let squares = |matrix: &DMat3| matrix.to_cols_array().iter().map(|g| g * g).sum::<f64>();
@@ -179,7 +183,7 @@ fn about(field: &SensedField, points: &[DVec3], likely: DVec3) -> Vec<DVec3> {
     if !step.is_finite() {
         return Vec::new();
     }
-    let [x, y, z] = STEPS.map(|steps| -steps..=steps);
+    let [x, y, z] = steps.map(|steps| -steps..=steps);
     let mut shifts = Vec::new();
     for i in x {
         for j in y.clone() {
