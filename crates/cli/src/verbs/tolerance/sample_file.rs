@@ -191,11 +191,14 @@ fn not_samples(why: &str) -> String {
     format!("is not a file of samples as `magsplice tolerance --save FILE.csv` writes it: {why}")
 }
 
+/// Largest figure of a film. Squares of larger ones, in the moments of samples, are not finite.
+const LARGEST: f64 = 1e100;
+
 fn parse(line: &str) -> Option<(u64, Figures)> {
     let (sample, figures) = line.split_once(',')?;
     let figures: Vec<f64> = figures.split(',').map(|figure| figure.parse().ok()).collect::<Option<_>>()?;
     let figures: [f64; Figure::ALL.len()] = figures.try_into().ok()?;
-    figures.iter().all(|figure| !figure.is_infinite()).then_some(())?;
+    (!figures.iter().any(|figure| figure.abs() > LARGEST)).then_some(())?;
     let errors = Figures::from_fn(|figure| Some(figures[figure.index()]).filter(|value| !value.is_nan()))?;
     Some((sample.parse().ok()?, errors))
 }
@@ -223,5 +226,7 @@ mod tests {
         assert_eq!(parse(&line), Some((7, figures)));
         assert_eq!(parse(&line.replace("0.3,", "NaN,")), None);
         assert_eq!(parse(&line.replace("NaN", "inf")), None);
+        assert_eq!(parse(&line.replace("NaN", "1.8e308")), None);
+        assert_eq!(parse(&line.replace("NaN", "1e101")), None);
     }
 }
