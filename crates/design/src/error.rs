@@ -74,6 +74,17 @@ pub enum DesignError {
          \"pair-z\", \"pair-xy\" or \"cross\" and spacing_mm, or leave head out of vary"
     )]
     NoSpacing,
+    /// No spacing of the head within the bounds has weights and a film.
+    #[error(
+        "no spacing of the head from {min_mm} to {max_mm} mm, of those tried, has weights that keep the form of the \
+         ideal film, and a film with decoupling parameters: change spacing_mm of [design]"
+    )]
+    NoSpacingBetween {
+        /// Least spacing.
+        min_mm: f64,
+        /// Largest spacing.
+        max_mm: f64,
+    },
     /// No number is free under the brief and the symmetry.
     #[error("vary and symmetry of [design] leave 0 free parameters in this film, must leave at least 1")]
     NothingFree,

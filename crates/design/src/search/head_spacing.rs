@@ -80,7 +80,7 @@ impl<'a> DesignProblem<'a> {
             }
         }
         if !least.is_finite() {
-            return Err(DesignError::NoSpacing);
+            return Err(DesignError::NoSpacingBetween { min_mm: min, max_mm: max });
         }
         let Spaced { problem, film } = best;
         let merit = rounding::rounded_merit(&problem, &problem.pattern, &film.variables);

@@ -109,7 +109,7 @@ impl Film {
         };
         let contradictory: BTreeSet<usize> = of_head.contradictory().into_iter().collect();
         wrong.extend(&contradictory);
-        let hint = (2 * wrong.len() > rows)
+        let hint = (2 * wrong.len() > rows && wrong.len() >= LEAST_TRIED)
             .then(|| other_columns(|change| explained_share(&locator, &tried(&wrong), change) >= EXPLAINED))
             .flatten();
         if hint.is_none() && !contradictory.is_empty() {
@@ -128,6 +128,9 @@ impl Film {
         })
     }
 }
+
+/// Least number of readings by which another unit or other axes are tried.
+const LEAST_TRIED: usize = 3;
 
 /// Largest number of readings by which causes of contradictions are tried.
 const MOST_TRIED: usize = 20;
