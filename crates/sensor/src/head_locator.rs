@@ -275,7 +275,8 @@ impl<'a> HeadLocator<'a> {
         assert_eq!(readings_t.len() % count, 0, "one reading of each sensor");
         let freedom = (3 * (count - 1)).checked_sub(self.unknowns.count()).filter(|freedom| *freedom > 0)?;
         let (lower, upper) = (self.grid().lower(), self.grid().upper());
-        let steps = Grid::new(lower, upper, [STARTS_ALONG; 3]).ok()?;
+        let counts = (upper - lower).to_array().map(|extent| if extent > 0.0 { STARTS_ALONG } else { 1 });
+        let steps = Grid::new(lower, upper, counts).ok()?;
         let without = |left_out: usize| -> Option<(f64, usize)> {
             let mut sensors = self.sensors.clone();
             // Its residuals and their derivatives are 0.
