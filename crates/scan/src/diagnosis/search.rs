@@ -63,6 +63,14 @@ pub(crate) struct Found {
     pub(crate) is_complete: bool,
 }
 
+/// Readings that may be wild.
+struct Suspects {
+    /// Each reading, and its square distance from the fit of the others in units of the noise.
+    readings: Vec<(usize, f64)>,
+    /// The square distance beyond which a reading is suspected.
+    limit: f64,
+}
+
 /// What follows a round of the search.
 enum Next {
     /// Another round with these errors.
@@ -263,7 +271,10 @@ impl Search<'_> {
         let left = compared.chi_squared + Unknowns::sum_of_squares(&self.model.values(&at.state), &deviations);
         let freedom = self.model.freedom(&at.is_used);
         let most_explained = (self.most_errors - detected.len()) as f64 * score.chi_squared;
-        let is_hopeless = is_implausible(left, freedom) && most_explained < left - freedom as f64;
+        // Readings that are wild, but explain less than this error, are excluded after it.
+        let fit = PriorFit::new(&at.gram, &compared.projected, &deviations)?;
+        let suspected: f64 = self.suspects(at, compared, &fit).readings.iter().map(|of| of.1).sum();
+        let is_hopeless = is_implausible(left, freedom) && most_explained + suspected < left - freedom as f64;
         Ok(if is_hopeless { Next::Hopeless } else { Next::Round(more) })
     }
 
@@ -273,8 +284,26 @@ impl Search<'_> {
     /// outlier of the mean-shift model (R. D. Cook and S. Weisberg, Residuals and Influence in
     /// Regression, 1982, section 2.2.2).
     fn wild(&self, at: &Linearized, compared: &Compared, detected: &[Candidate]) -> Result<Vec<usize>, DiagnosisError> {
-        let used: Vec<usize> = (0..at.is_used.len()).filter(|reading| at.is_used[*reading]).collect();
         let fit = PriorFit::new(&at.gram, &compared.projected, &self.model.unknowns.with_detected(detected))?;
+        let Suspects { readings, limit } = self.suspects(at, compared, &fit);
+        if readings.is_empty() {
+            return Ok(Vec::new());
+        }
+        let best_tile = self.scores(&fit, detected).into_iter().map(|(_, score)| score.chi_squared).fold(0.0, f64::max);
+        let limit = best_tile.max(limit);
+        let wild: Vec<usize> = readings.into_iter().filter(|(_, of)| *of > limit).map(|(reading, _)| reading).collect();
+        let unused = at.is_used.iter().filter(|is_used| !**is_used).count();
+        let excluded = unused + wild.len() - self.unusable;
+        match excluded as f64 > MOST_OUTLIERS * (at.is_used.len() - self.unusable) as f64 {
+            true => Err(DiagnosisError::AnotherFilm { outliers: excluded }),
+            false => Ok(wild),
+        }
+    }
+
+    /// The readings that are more than six standard deviations from the fit of the others, at most
+    /// [`SUSPECTED`] of them.
+    fn suspects(&self, at: &Linearized, compared: &Compared, fit: &PriorFit) -> Suspects {
+        let used: Vec<usize> = (0..at.is_used.len()).filter(|reading| at.is_used[*reading]).collect();
         let step = &fit.estimate - self.model.values(&at.state);
         let residual = |reading: usize| {
             Vector3::from_fn(|axis, _| {
@@ -297,18 +326,8 @@ impl Search<'_> {
             own.cholesky().map_or(0.0, |own| residual.dot(&own.solve(residual)))
         };
         let suspected: Vec<(usize, f64)> = residuals.iter().map(|of| (of.0, chi_squared(of))).collect();
-        if suspected.iter().all(|(_, chi_squared)| *chi_squared < OUTLIER * OUTLIER * variance) {
-            return Ok(Vec::new());
-        }
-        let best_tile = self.scores(&fit, detected).into_iter().map(|(_, score)| score.chi_squared).fold(0.0, f64::max);
-        let limit = best_tile.max(OUTLIER * OUTLIER * variance);
-        let wild: Vec<usize> =
-            suspected.into_iter().filter(|(_, of)| *of > limit).map(|(reading, _)| reading).collect();
-        let excluded = at.is_used.len() - used.len() + wild.len() - self.unusable;
-        match excluded as f64 > MOST_OUTLIERS * (at.is_used.len() - self.unusable) as f64 {
-            true => Err(DiagnosisError::AnotherFilm { outliers: excluded }),
-            false => Ok(wild),
-        }
+        let limit = OUTLIER * OUTLIER * variance;
+        Suspects { readings: suspected.into_iter().filter(|(_, chi_squared)| *chi_squared > limit).collect(), limit }
     }
 
     /// The model with those of the `usable` readings that agree with the fit of the used ones:

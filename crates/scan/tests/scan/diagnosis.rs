@@ -33,7 +33,7 @@ pub(crate) fn model(settings: DiagnosisSettings) -> ScanDiagnosis {
 }
 
 /// A tile turned about z, scaled in strength, and displaced.
-fn changed(tile: &Tile, turn_rad: f64, strength: f64, shift_mm: DVec3) -> Tile {
+pub(crate) fn changed(tile: &Tile, turn_rad: f64, strength: f64, shift_mm: DVec3) -> Tile {
     Tile::new(tile.position() + shift_mm, tile.size(), strength * tile.polarization_t())
         .and_then(|moved| moved.rotated(DQuat::from_rotation_z(turn_rad) * tile.rotation()))
         .unwrap()

@@ -6,14 +6,16 @@ use magsplice_field::Scene;
 use magsplice_layout::Layout;
 use magsplice_magnet::{HallSensor, Quantity};
 use magsplice_scan::{
-    DiagnosisSettings, Exclusion, FreeParameters, ScanFit, ScanParameter, ScanParameters, SignedAxes, fit_scan,
+    Candidate, DiagnosisSettings, ErrorKind, Exclusion, FreeParameters, ScanFit, ScanParameter, ScanParameters,
+    SignedAxes, fit_scan,
 };
 use magsplice_sensor::SensedField;
+use rand::seq::index::sample;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use crate::damage::{make_wild, truth};
-use crate::diagnosis::{NOISE_T, candidates, film, made_faulty, model, points};
+use crate::diagnosis::{NOISE_T, candidates, changed, film, made_faulty, model, points};
 use crate::noisy::{normal, readings};
 
 /// A published film with the points of its volume.
@@ -205,5 +207,27 @@ fn faulty_tiles_are_found_beside_wild_readings() {
         let found = model.diagnose(&readings_t, |_| {}).unwrap();
         assert_eq!(candidates(&found), candidates(&clean), "scan {seed}");
         assert!(wild.iter().all(|index| found.exclusions[*index].is_some()), "scan {seed}");
+    }
+}
+
+/// A wild reading may explain less than the faulty tile beside it: the search is not given up for
+/// what the wild readings leave.
+#[test]
+fn a_reversed_and_a_displaced_tile_are_found_beside_ten_wild_readings() {
+    let model = model(DiagnosisSettings { most_errors: 4, ..DiagnosisSettings::default() });
+    let mut tiles = film();
+    tiles[22] = changed(&tiles[22], 0.0, -1.0, DVec3::ZERO);
+    tiles[34] = changed(&tiles[34], 0.0, 1.0, DVec3::new(0.1, 0.0, 0.0));
+    let faulty = [(22, ErrorKind::Strength), (34, ErrorKind::Displacement)];
+    for seed in 0..10 {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut readings_t = readings(&tiles, &points(), NOISE_T, &mut random);
+        for index in sample(&mut random, readings_t.len(), 10) {
+            let size_t = 10.0_f64.powf(random.random_range(-3.3..-1.5));
+            readings_t[index][random.random_range(0..3)] += if random.random() { size_t } else { -size_t };
+        }
+        let found = model.diagnose(&readings_t, |_| {}).unwrap();
+        assert_eq!(candidates(&found), faulty.map(|(tile, kind)| Candidate { tile, kind }), "scan {seed}");
+        assert!(!found.is_residual_too_large(), "scan {seed}");
     }
 }
