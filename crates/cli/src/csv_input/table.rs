@@ -28,8 +28,10 @@ pub(crate) struct CsvTable {
     record: StringRecord,
     /// What is known of the lines that `reader` reads.
     lines: Lines,
-    /// Whether no row has been read yet.
-    is_before_rows: bool,
+    /// Number of rows that were read.
+    rows: usize,
+    /// Least number of decimals of their last cells.
+    least_decimals: usize,
     /// Rows without any value that another row follows: their lines, and that row.
     empty: VecDeque<u64>,
     after_empty: Option<StringRecord>,
@@ -53,6 +55,9 @@ pub(crate) enum Row {
 
 /// Largest number of rows without values in sequence, whose lines are held in memory.
 const MOST_EMPTY_ROWS: usize = 1_000_000;
+
+/// Number of rows from which on their decimals are those of every row.
+const LEAST_ROWS: usize = 10;
 
 /// Whether this path names standard input.
 pub(crate) fn is_stdin(path: &Path) -> bool {
@@ -95,7 +100,8 @@ impl CsvTable {
             reader,
             record: StringRecord::new(),
             lines,
-            is_before_rows: true,
+            rows: 0,
+            least_decimals: usize::MAX,
             empty: VecDeque::new(),
             after_empty: None,
             may_be_cut,
@@ -148,13 +154,14 @@ impl CsvTable {
 
     /// The record as a row.
     fn row(&mut self, line: u64) -> Result<Row, String> {
-        let is_first = std::mem::replace(&mut self.is_before_rows, false);
         let is_short = self.record.len() < self.names.len();
-        if is_first {
+        if self.rows == 0 {
             self.check_form(line)?;
         } else if self.may_be_cut && self.lines.is_last_cut() && (is_short || self.is_last_number_cut()) {
             return Ok(Row::Cut(line));
         }
+        self.rows += 1;
+        self.least_decimals = self.least_decimals.min(self.last_decimals());
         Ok(if self.record.len() == self.names.len() {
             Row::Cells(line)
         } else {
@@ -162,11 +169,21 @@ impl CsvTable {
         })
     }
 
-    /// Whether the last cell is the beginning of a number, such as `1.2e-`.
+    /// Whether the last cell is the beginning of a number, such as `1.2e-`, or has fewer decimals
+    /// than those of all rows before.
     fn is_last_number_cut(&self) -> bool {
+        if self.rows >= LEAST_ROWS && self.last_decimals() < self.least_decimals {
+            return true;
+        }
         let last = self.record.iter().next_back().unwrap_or_default();
         let is_number = |text: &str| decimal::scaled(text, 0).is_some();
         !last.is_empty() && !is_number(last) && is_number(&format!("{last}0"))
+    }
+
+    /// Number of decimals of the last cell.
+    fn last_decimals(&self) -> usize {
+        let last = self.record.iter().next_back().unwrap_or_default();
+        last.rsplit_once(['.', ',']).map_or(0, |(_, decimals)| decimals.len())
     }
 
     /// Refuses the file if its first row has another separator than the names, or decimal commas

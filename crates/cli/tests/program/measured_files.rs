@@ -151,6 +151,11 @@ fn cut_last_line_is_left_out() {
         assert_eq!((said.status, rows(&said.stdout).len()), (0, 2), "{cut}: {}", said.stderr);
         assert_eq!(said.stderr, "magsplice: b.csv: line 4: left out: the file ends within this line\n");
     }
+    // Ten numbers with three decimals, and one with two that no end of line follows.
+    let with = |last: &str| format!("bx_mt,by_mt,bz_mt\n{}{last}", "0.100,-0.200,2.500\n".repeat(10));
+    for (last, left) in [("0.100,-0.200,2.50", 10), ("0.100,-0.200,2.500", 11), ("0.100,-0.200,2.50\n", 11)] {
+        assert_eq!(rows(&read(&with(last), "", &[]).stdout).len(), left, "{last:?}");
+    }
     read(&format!("{READINGS}0.1,-0.2\n"), "", &[]).refuses("line 4: has 2 fields, must have 3 like line 1");
     read("bx_mt,by_mt,bz_mt\n0,0\n0,0,2", "", &[]).refuses("line 2: has 2 fields, must have 3 like line 1");
     // Points and blocks are not logs.
