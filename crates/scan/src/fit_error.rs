@@ -3,6 +3,7 @@
 use magsplice_magnet::PointErrors;
 use thiserror::Error;
 
+use crate::column_fault::ColumnFault;
 use crate::exclusion::Plateau;
 use crate::parameters::ScanParameter;
 use crate::turned_film::FilmTurn;
@@ -94,6 +95,9 @@ pub enum ScanError {
          positions and readings by {:.1} deg, or the film", 1e6 * .0.residual_t, .0.angle_deg, -.0.angle_deg
     )]
     Turned(FilmTurn),
+    /// The readings do not fit, and their columns have a fault.
+    #[error("the layout does not explain the scan, and {0}")]
+    Columns(ColumnFault),
     /// The steps did not converge.
     #[error(
         "the fit does not converge: the positions may have errors of more than a quarter of a wavelength, or errors of \

@@ -17,6 +17,8 @@
 // Rules are written as `!(x > limit)` so that NaN breaks them.
 #![allow(clippy::neg_cmp_op_on_partial_ord)]
 
+/// Columns that no scan has.
+mod column_fault;
 /// Faulty tiles of a film as made, from a scan of its field.
 mod diagnosis;
 /// Readings that a fit does not use.
@@ -33,6 +35,10 @@ mod parameters;
 mod positions;
 /// Computed scans of films as made.
 mod sample_scan;
+/// Changes of readings by the parameters of a scan.
+mod scan_columns;
+/// Faults of a sensor.
+mod sensor_fault;
 /// Exchanged and reversed axes.
 mod signed_axes;
 /// Where a fit starts.
@@ -46,6 +52,7 @@ mod turned_film;
 /// Units that are given by mistake.
 mod units;
 
+pub use column_fault::ColumnFault;
 pub use diagnosis::{
     Candidate, DetectedError, Diagnosis, DiagnosisError, DiagnosisSettings, ErrorKind, FALSE_ALARM, FieldScan,
     FittedError, MOST_ERRORS, NarrowedError, ScanDiagnosis, SimilarErrors,
@@ -57,6 +64,7 @@ pub use least_squares::ScanFit;
 pub use parameters::{FreeParameters, ScanParameter, ScanParameters};
 pub use positions::ScanPositions;
 pub use sample_scan::{SampleScan, SampleScanError};
+pub use sensor_fault::SensorFault;
 pub use signed_axes::SignedAxes;
 pub use suspect::suspect_strength;
 pub use turn::film_turn;

@@ -1,17 +1,13 @@
 //! The tile that most likely has another strength than the others, such as a reversed tile.
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use magsplice_field::Scene;
 use magsplice_magnet::{PointErrors, Quantity, Tile};
-use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use crate::diagnosis::STRENGTH_ERRORS;
-use crate::parameters::ScanParameter;
-
-/// Eigenvalue of the scaled normal matrix, over the largest, from which on a combination of the
-/// parameters of the scan changes the field.
-const DETERMINED: f64 = 1e-12;
+use crate::parameters::FreeParameters;
+use crate::scan_columns::{ScanColumns, column};
 
 /// The tile that with another strength explains most of the difference between `field_t` and the
 /// field of `tiles` at `places`, and the error of its strength: -2 for a reversed tile. Strength,
@@ -34,26 +30,10 @@ pub fn suspect_strength(
     let scene = Scene::new(tiles);
     let ordered_t = scene.field_at(Quantity::FluxDensity, &places)?;
     let gradient = scene.gradient_at(Quantity::FluxDensity, &places)?;
-    let of_scan = ScanParameter::ALL.map(|parameter| {
-        let of_place = |place: usize| match parameter {
-            ScanParameter::Strength => ordered_t[place],
-            ScanParameter::Offset(axis) => axis.unit(),
-            ScanParameter::Rotation(axis) => ordered_t[place].cross(axis.unit()),
-            ScanParameter::Start(axis) => gradient[place].col(axis.index()),
-        };
-        column((0..places.len()).map(of_place)).normalize()
-    });
-    let of_scan = DMatrix::from_columns(&of_scan);
-    let normal = (of_scan.transpose() * &of_scan).symmetric_eigen();
-    let least = DETERMINED * normal.eigenvalues.max();
-    let without_scan = |of: DVector<f64>| {
-        let mut along = normal.eigenvectors.transpose() * (of_scan.transpose() * &of);
-        along.zip_apply(&normal.eigenvalues, |along, value| *along = if value > least { *along / value } else { 0.0 });
-        of - &of_scan * (&normal.eigenvectors * along)
-    };
-    let difference = without_scan(column(field_t.iter().zip(&ordered_t).map(|(read_t, of_t)| *read_t - *of_t)));
+    let scan = ScanColumns::new(&ordered_t, &gradient, DMat3::IDENTITY, FreeParameters::ALL);
+    let difference = scan.unexplained(column(field_t.iter().zip(&ordered_t).map(|(read_t, of_t)| *read_t - *of_t)));
     let explained = |(index, tile): (usize, &Tile)| -> Result<Option<(f64, usize, f64)>, PointErrors> {
-        let own = without_scan(column(
+        let own = scan.unexplained(column(
             Scene::new(std::slice::from_ref(tile)).field_at(Quantity::FluxDensity, &places)?.into_iter(),
         ));
         let (product, square) = (own.dot(&difference), own.norm_squared());
@@ -64,9 +44,4 @@ pub fn suspect_strength(
         tiles.par_iter().enumerate().map(explained).collect::<Result<_, PointErrors>>()?;
     let best = all.into_iter().flatten().max_by(|a, b| a.0.total_cmp(&b.0));
     Ok(best.map(|(_, tile, error)| (tile, error)))
-}
-
-/// Vectors as one column.
-fn column(vectors: impl Iterator<Item = DVec3>) -> DVector<f64> {
-    DVector::from_vec(vectors.flat_map(|vector| vector.to_array()).collect())
 }

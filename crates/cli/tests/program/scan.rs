@@ -498,3 +498,33 @@ fn films_turned_on_the_stage_are_named() {
     let diagnose = ["diagnose", &film, "--scan", "scan.csv", "--preset", "by-hand"];
     sandbox.run(&diagnose).refuses("deg about z against the positions: turn positions and readings by");
 }
+
+/// Two columns with the same values, a stuck axis, and two equal coordinates are causes that the
+/// fit does not show. The same columns are no fault where the scan fits.
+#[test]
+fn columns_that_no_scan_has_are_named() {
+    let sandbox = Sandbox::new();
+    let film = sandbox.published_with("");
+    let field = field(&sandbox);
+    let changed = |change: fn(&mut [f64])| -> Vec<Vec<f64>> {
+        let mut lines: Vec<Vec<f64>> = field.iter().step_by(4).cloned().collect();
+        lines.iter_mut().for_each(|line| change(line));
+        lines
+    };
+    type Change = fn(&mut [f64]);
+    let cases: [(Change, &str); 3] = [
+        (|line| line[4] = line[3], "bx and by are equal in all readings"),
+        (|line| line[5] = 1e-3, "bz is 1 mT in all readings"),
+        (|line| line[1] = line[0], "x and y of all positions are equal"),
+    ];
+    for (change, cause) in cases {
+        write(&sandbox, "x_mm,y_mm,z_mm,bx_t,by_t,bz_t", &changed(change));
+        sandbox.run(&["scan", &film, "scan.csv"]).refuses(cause);
+    }
+    sandbox.run(&["diagnose", &film, "--scan", "scan.csv", "--noise", "10uT"]).refuses("x and y of all positions");
+    // On the diagonal bx and by are equal, and the film has no other reading there.
+    let diagonal: Vec<Vec<f64>> = field.into_iter().filter(|line| line[0] == line[1]).collect();
+    write(&sandbox, "x_mm,y_mm,z_mm,bx_t,by_t,bz_t", &diagonal);
+    let said = sandbox.run(&["scan", &film, "scan.csv", "--fit", "strength,offset"]);
+    assert_eq!(said.status, 0, "{}", said.stderr);
+}

@@ -6,7 +6,7 @@ use glam::DVec3;
 use magsplice_layout::{FilmTolerance, Layout, Preset};
 use magsplice_magnet::{Quantity, Tile, TileError};
 use magsplice_scan::{
-    Candidate, DetectedError, Diagnosis, ErrorKind, Exclusion, FreeParameters, NarrowedError, ScanError,
+    Candidate, ColumnFault, DetectedError, Diagnosis, ErrorKind, Exclusion, FreeParameters, NarrowedError, ScanError,
 };
 use magsplice_sensor::Noise;
 use serde::Serialize;
@@ -211,7 +211,14 @@ impl Film {
             free,
             false_alarm,
         };
-        let Searched { mut diagnosis, is_rejected, made_as, placement, explained_by } = search.run()?;
+        // Every other reason is a consequence of columns that no scan has.
+        let found = search.run().map_err(|error| match (error, ColumnFault::among(points_mm, readings_t)) {
+            (FilmError::Scan(_) | FilmError::Diagnosis(_) | FilmError::Misplaced(_), Some(fault)) => {
+                FilmError::Scan(ScanError::Columns(fault))
+            }
+            (error, _) => error,
+        })?;
+        let Searched { mut diagnosis, is_rejected, made_as, placement, explained_by } = found;
         // Saturated readings were withheld as unfinished.
         for (exclusion, unusable) in diagnosis.exclusions.iter_mut().zip(&unusable) {
             *exclusion = unusable.or(*exclusion);

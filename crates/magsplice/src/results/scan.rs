@@ -4,8 +4,8 @@ use glam::DVec3;
 use magsplice_decouple::{Branch, NoPlanes, Parameters, PerParameter, uniformity_by_planes};
 use magsplice_magnet::Grid;
 use magsplice_scan::{
-    Exclusion, FilmTurn, FreeParameters, KNOWN_NOISE, Plateau, ROUND_OFF, ScanError, ScanField, ScanFit, ScanPositions,
-    SignedAxes, film_turn, fit_determined, fit_scan,
+    ColumnFault, Exclusion, FilmTurn, FreeParameters, KNOWN_NOISE, Plateau, ROUND_OFF, ScanError, ScanField, ScanFit,
+    ScanPositions, SensorFault, SignedAxes, film_turn, fit_determined, fit_scan,
 };
 use serde::Serialize;
 
@@ -96,6 +96,9 @@ pub struct FilmScan {
     /// A turn of the film against the positions that explains a part of the residual.
     #[serde(skip)]
     pub turn: Option<FilmTurn>,
+    /// A fault of the sensor that explains most of the residual.
+    #[serde(skip)]
+    pub sensor_fault: Option<SensorFault>,
     /// Root mean square of a component of the readings without offset.
     #[serde(skip)]
     pub reading_t: f64,
@@ -208,6 +211,10 @@ impl Film {
         let (fit, free) = match fit {
             Err(ScanError::Points(errors)) => return Err(FilmError::Points(errors)),
             Err(error) => {
+                let is_misfit = !matches!(error, ScanError::TooFew { .. } | ScanError::Undetermined(_));
+                if let Some(fault) = ColumnFault::among(points_mm, readings_t).filter(|_| is_misfit) {
+                    return Err(FilmError::Scan(ScanError::Columns(fault)));
+                }
                 let finite = || readings_t.iter().filter(|reading_t| reading_t.is_finite());
                 let squares: f64 = finite().map(|reading_t| reading_t.length_squared()).sum();
                 let reading_t = (squares / (3 * finite().count().max(1)) as f64).sqrt();
@@ -241,6 +248,8 @@ impl Film {
         if let Some(turn) = turn.filter(|turn| turn.explains(fit.noise_t)) {
             return Err(FilmError::Scan(ScanError::Turned(turn)));
         }
+        let sensor_fault =
+            (fit.noise_t > most_t).then(|| SensorFault::of_scan(&sensed, points_mm, readings_t, &fit, free)).flatten();
         let fields_t = [readings_t, &corrected_t, &simulated_t];
         let uniformity_rmse = self
             .ideal()
@@ -284,6 +293,7 @@ impl Film {
             has_smooth_residuals,
             is_across,
             turn,
+            sensor_fault,
             sensor_noise_t,
         })
     }
@@ -377,6 +387,7 @@ impl FilmScan {
                 -turn.angle_deg
             )
         });
+        let sensor_fault = self.sensor_fault.map(sensor_fault_in_words);
         let across = self.is_across.then(|| ACROSS.to_owned());
         let plateau = self.excluded.remark();
         plateau
@@ -384,6 +395,7 @@ impl FilmScan {
             .chain(strength)
             .chain(across)
             .chain(turn)
+            .chain(sensor_fault)
             .chain(offset)
             .chain(residual)
             .chain(unexplained)
@@ -413,6 +425,23 @@ impl FilmScan {
         ];
         let points = Points::Scattered(self.places_mm.clone());
         Table::new(points, columns, self.source.metadata())
+    }
+}
+
+/// A fault of the sensor with its remedy.
+fn sensor_fault_in_words(fault: SensorFault) -> String {
+    let residual = number(1e6 * fault.residual_t());
+    match fault {
+        SensorFault::Gains { gains, .. } => format!(
+            "the residual is {residual} uT if the axes of the sensor have gains of {}: state gain in [sensor], or correct \
+             the readings",
+            gains.to_array().map(|gain| format!("{gain:.3}")).join(", ")
+        ),
+        SensorFault::Drift { drift_t, .. } => format!(
+            "the residual is {residual} uT if the offset drifts by {} uT from the first to the last reading: correct the \
+             readings, or repeat the scan with a sensor that has warmed up",
+            (1e6 * drift_t).to_array().map(|drift_ut| format!("{drift_ut:.1}")).join(", ")
+        ),
     }
 }
 

@@ -5,6 +5,7 @@ mod diagnosis;
 mod fit;
 mod noisy;
 mod sample_scan;
+mod sensor_faults;
 mod suspect;
 mod turn;
 mod wild;
