@@ -14,7 +14,7 @@ pub enum ColumnFault {
     #[error("b{0} and b{1} are equal in all readings: one column was written twice")]
     EqualFields(Axis, Axis),
     /// A component is constant.
-    #[error("b{axis} is {} mT in all readings: this axis of the sensor is stuck, or its column has other values", 1e3 * .reading_t)]
+    #[error("b{axis} is {} mT in all readings: this axis of the sensor is stuck, or its column has other values", in_mt(*.reading_t))]
     ConstantField {
         /// The component.
         axis: Axis,
@@ -46,6 +46,11 @@ impl ColumnFault {
     }
 }
 
+/// A reading in millitesla, to a nanotesla: the unit of a file leaves digits of round-off.
+fn in_mt(reading_t: f64) -> f64 {
+    (1e9 * reading_t).round() / 1e6
+}
+
 /// Two components that are equal and not constant.
 fn equal(vectors: &[DVec3]) -> Option<(Axis, Axis)> {
     let [x, y, z] = Axis::ALL;
@@ -70,6 +75,8 @@ mod tests {
         let stuck = changed(|of| DVec3::new(of.x, 2e-3, of.z));
         let fault = ColumnFault::ConstantField { axis: Axis::Y, reading_t: 2e-3 };
         assert_eq!(ColumnFault::among(&points, &stuck), Some(fault));
+        let of_file = ColumnFault::ConstantField { axis: Axis::X, reading_t: 1606.78 * 1e-6 };
+        assert!(of_file.to_string().starts_with("bx is 1.60678 mT"), "{of_file}");
         let diagonal: Vec<DVec3> = points.iter().map(|p| DVec3::new(p.x, p.x, -3.0)).collect();
         assert_eq!(ColumnFault::among(&diagonal, &readings_t), Some(ColumnFault::EqualPositions(Axis::X, Axis::Y)));
         assert_eq!(ColumnFault::among(&points[..3], &stuck[..3]), None);
