@@ -272,9 +272,13 @@ impl Search<'_> {
         let freedom = self.model.freedom(&at.is_used);
         let most_explained = (self.most_errors - detected.len()) as f64 * score.chi_squared;
         // Readings that are wild, but explain less than this error, are excluded after it.
-        let fit = PriorFit::new(&at.gram, &compared.projected, &deviations)?;
-        let suspected: f64 = self.suspects(at, compared, &fit).readings.iter().map(|of| of.1).sum();
-        let is_hopeless = is_implausible(left, freedom) && most_explained + suspected < left - freedom as f64;
+        let suspected = || -> Result<f64, DiagnosisError> {
+            let fit = PriorFit::new(&at.gram, &compared.projected, &deviations)?;
+            Ok(self.suspects(at, compared, &fit).readings.iter().map(|of| of.1).sum())
+        };
+        let is_hopeless = is_implausible(left, freedom)
+            && most_explained < left - freedom as f64
+            && most_explained + suspected()? < left - freedom as f64;
         Ok(if is_hopeless { Next::Hopeless } else { Next::Round(more) })
     }
 
