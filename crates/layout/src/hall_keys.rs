@@ -1,12 +1,12 @@
 //! The keys of one Hall sensor: of `[sensor]`, and of the sensors of a head.
 
 use glam::{DQuat, DVec3};
-use magsplice_magnet::{Axis, GAIN_MAGNITUDES, HallSensor};
+use magsplice_magnet::{Axis, GAIN_MAGNITUDES, HallSensor, MAX_SENSOR_ERROR_T};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::error_unit::ErrorUnit;
-use crate::faults::{FINITE, NOT_NEGATIVE, POSITIVE, Rule, TableFaults};
+use crate::faults::{NOT_NEGATIVE, POSITIVE, Rule, TableFaults};
 use crate::names::shown;
 use crate::one_or_three::OneOrThree;
 use crate::rotation::{Rotation, RotationTable};
@@ -82,15 +82,24 @@ const GAIN: Rule = Rule {
     words: "must be from 1e-6 to 1e6, or from -1e6 to -1e-6",
 };
 
+/// [`MAX_SENSOR_ERROR_T`], as it is written.
+const MAX_ERROR_UT: f64 = 1e6 * MAX_SENSOR_ERROR_T;
+
+const ERROR: Rule =
+    Rule { is_kept: |error| (0.0..=MAX_ERROR_UT).contains(&error), words: "must be from 0 to 1e6 (1 T)" };
+
+const OFFSET: Rule =
+    Rule { is_kept: |offset| offset.abs() <= MAX_ERROR_UT, words: "must be at most 1e6 (1 T) in magnitude" };
+
 impl HallKeys {
     fn keys<'k>(&'k mut self, element: &'k mut HallSensor) -> [AxisKey<'k>; 5] {
         let (ut, mt) = (ErrorUnit::Microtesla, ErrorUnit::Millitesla);
         [
-            ("noise_ut", ut, NOT_NEGATIVE, &mut self.noise_ut, &mut element.noise_t),
-            ("count_ut", ut, NOT_NEGATIVE, &mut self.count_ut, &mut element.count_t),
+            ("noise_ut", ut, ERROR, &mut self.noise_ut, &mut element.noise_t),
+            ("count_ut", ut, ERROR, &mut self.count_ut, &mut element.count_t),
             ("range_mt", mt, POSITIVE, &mut self.range_mt, &mut element.range_t),
             ("gain", ErrorUnit::Fraction, GAIN, &mut self.gain, &mut element.gain),
-            ("offset_ut", ut, FINITE, &mut self.offset_ut, &mut element.offset_t),
+            ("offset_ut", ut, OFFSET, &mut self.offset_ut, &mut element.offset_t),
         ]
     }
 

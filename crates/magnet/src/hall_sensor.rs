@@ -11,6 +11,10 @@ use crate::tolerances::{MAX_LENGTH, UNIT_NORM_TOLERANCE};
 /// Magnitudes of the gain of a sensor: the reading is as finite as the field.
 pub const GAIN_MAGNITUDES: RangeInclusive<f64> = 1e-6..=1e6;
 
+/// Largest noise, count and offset of a sensor: a sensor with larger ones cannot detect any
+/// permanent magnet.
+pub const MAX_SENSOR_ERROR_T: f64 = 1.0;
+
 /// A three-axis Hall sensor. One plate per axis reads the component of B along this axis, averaged
 /// over the plate. The default sensor is perfect: plates are points, without errors or limits.
 ///
@@ -74,11 +78,11 @@ pub enum HallSensorFault {
     Rotation,
     /// The magnitude of a gain is not one of [`GAIN_MAGNITUDES`].
     Gain,
-    /// An offset is not finite.
+    /// The magnitude of an offset is not finite or larger than [`MAX_SENSOR_ERROR_T`].
     Offset,
-    /// A noise is negative or not finite.
+    /// A noise is negative, not finite, or larger than [`MAX_SENSOR_ERROR_T`].
     Noise,
-    /// A count is negative or not finite.
+    /// A count is negative, not finite, or larger than [`MAX_SENSOR_ERROR_T`].
     Count,
     /// A range is not greater than 0.
     Range,
@@ -90,16 +94,18 @@ impl HallSensor {
     /// # Errors
     /// The first broken rule.
     pub fn checked(self) -> Result<HallSensor, HallSensorFault> {
-        let not_negative = |values: DVec3| values.is_finite() && values.cmpge(DVec3::ZERO).all();
+        let is_error = |magnitudes: DVec3| {
+            magnitudes.cmpge(DVec3::ZERO).all() && magnitudes.cmple(DVec3::splat(MAX_SENSOR_ERROR_T)).all()
+        };
         let is_length = |length: f64| (0.0..=MAX_LENGTH).contains(&length);
         let rules = [
             (self.plates.iter().all(|plate| plate.abs().cmple(DVec3::splat(MAX_LENGTH)).all()), HallSensorFault::Plate),
             (self.active_area.into_iter().all(is_length), HallSensorFault::ActiveArea),
             ((self.rotation.length() - 1.0).abs() <= UNIT_NORM_TOLERANCE, HallSensorFault::Rotation),
             (self.gain.abs().to_array().iter().all(|gain| GAIN_MAGNITUDES.contains(gain)), HallSensorFault::Gain),
-            (self.offset_t.is_finite(), HallSensorFault::Offset),
-            (not_negative(self.noise_t), HallSensorFault::Noise),
-            (not_negative(self.count_t), HallSensorFault::Count),
+            (is_error(self.offset_t.abs()), HallSensorFault::Offset),
+            (is_error(self.noise_t), HallSensorFault::Noise),
+            (is_error(self.count_t), HallSensorFault::Count),
             (self.range_t.cmpgt(DVec3::ZERO).all(), HallSensorFault::Range),
         ];
         rules.into_iter().find(|(is_kept, _)| !is_kept).map_or(Ok(self), |(_, fault)| Err(fault))
@@ -137,9 +143,9 @@ impl fmt::Display for HallSensorFault {
             HallSensorFault::Gain => {
                 "the gains of a sensor must be from 1e-6 to 1e6, or negative ones from -1e6 to -1e-6"
             }
-            HallSensorFault::Offset => "the offsets of a sensor must be finite",
-            HallSensorFault::Noise => "the noise of a sensor must be finite and at least 0",
-            HallSensorFault::Count => "the counts of a sensor must be finite and at least 0",
+            HallSensorFault::Offset => "the offsets of a sensor must be at most 1 T in magnitude",
+            HallSensorFault::Noise => "the noise of a sensor must be from 0 to 1 T",
+            HallSensorFault::Count => "the counts of a sensor must be from 0 to 1 T",
             HallSensorFault::Range => "the ranges of a sensor must be greater than 0",
         })
     }
@@ -177,7 +183,10 @@ mod tests {
             (HallSensor { gain: DVec3::new(1.0, 0.0, 1.0), ..perfect }, HallSensorFault::Gain),
             (HallSensor { offset_t: DVec3::INFINITY, ..perfect }, HallSensorFault::Offset),
             (HallSensor { noise_t: -DVec3::X, ..perfect }, HallSensorFault::Noise),
+            (HallSensor { noise_t: DVec3::splat(1.1), ..perfect }, HallSensorFault::Noise),
             (HallSensor { count_t: nan, ..perfect }, HallSensorFault::Count),
+            (HallSensor { count_t: DVec3::splat(1.1), ..perfect }, HallSensorFault::Count),
+            (HallSensor { offset_t: DVec3::splat(-1.1), ..perfect }, HallSensorFault::Offset),
             (HallSensor { range_t: DVec3::ZERO, ..perfect }, HallSensorFault::Range),
         ] {
             assert_eq!(sensor.checked(), Err(fault));

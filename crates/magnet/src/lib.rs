@@ -67,7 +67,7 @@ pub use axis::Axis;
 pub use bounding_box::BoundingBox;
 pub use deformation::{Bend, Deformation, DeformationError};
 pub use grid::{Grid, GridFault};
-pub use hall_sensor::{GAIN_MAGNITUDES, HallSensor, HallSensorFault};
+pub use hall_sensor::{GAIN_MAGNITUDES, HallSensor, HallSensorFault, MAX_SENSOR_ERROR_T};
 pub use height_map::{HeightMap, HeightMapError, InvalidHeightMap};
 pub use outline::convex_hull;
 pub use overlap::{Overlap, TooManyPairs, box_overlap, overlap, overlaps, overlaps_among};

@@ -112,11 +112,11 @@ fn wrong_values_are_named_with_their_rule() {
          active_area_mm = [0.1, -0.2]\nrate_hz = 0\nplates_mm = { y = [0, inf, 0] }\nrotation = { angle_deg = 3 }",
     );
     for message in [
-        "noise_ut[1] = -1, must be a finite number of at least 0",
-        "count_ut = -2, must be a finite number of at least 0",
+        "noise_ut[1] = -1, must be from 0 to 1e6 (1 T)",
+        "count_ut = -2, must be from 0 to 1e6 (1 T)",
         "range_mt = 0, must be a finite number greater than 0",
         "gain[1] = 0, must be from 1e-6 to 1e6, or from -1e6 to -1e-6",
-        "offset_ut = NaN, must be a finite number",
+        "offset_ut = NaN, must be at most 1e6 (1 T) in magnitude",
         "active_area_mm[1] = -0.2, must be a finite number of at least 0",
         "rate_hz = 0, must be a finite number greater than 0",
         "plates_mm.y = [0.0, inf, 0.0], must be three finite numbers",
@@ -124,6 +124,7 @@ fn wrong_values_are_named_with_their_rule() {
     ] {
         assert!(all.contains(message), "{message} is not in\n{all}");
     }
+    assert!(refused("[sensor]\nnoise_ut = 1.1e6").contains("noise_ut = 1100000, must be from 0 to 1e6 (1 T)"));
     let layer = refused(
         "[elastomer]\narea_mm2 = -1\nthickness_mm = 0\nyoungs_modulus_mpa = inf\npoisson_ratio = 0.6\nscale = [1, 1, 0]",
     );
