@@ -522,6 +522,14 @@ fn columns_that_no_scan_has_are_named() {
         sandbox.run(&["scan", &film, "scan.csv"]).refuses(cause);
     }
     sandbox.run(&["diagnose", &film, "--scan", "scan.csv", "--noise", "10uT"]).refuses("x and y of all positions");
+    let mut stuck = changed(|_| ());
+    let (half, count) = (stuck.len() / 2, stuck.len());
+    let reading_t = stuck[half][4];
+    stuck[half..].iter_mut().for_each(|line| line[4] = reading_t);
+    write(&sandbox, "x_mm,y_mm,z_mm,bx_t,by_t,bz_t", &stuck);
+    let cause = format!("mT in {} successive readings, from (", count - half);
+    sandbox.run(&["scan", &film, "scan.csv"]).refuses(&cause);
+    sandbox.run(&["diagnose", &film, "--scan", "scan.csv", "--noise", "10uT"]).refuses(&cause);
     // On the diagonal bx and by are equal, and the film has no other reading there.
     let diagonal: Vec<Vec<f64>> = field.into_iter().filter(|line| line[0] == line[1]).collect();
     write(&sandbox, "x_mm,y_mm,z_mm,bx_t,by_t,bz_t", &diagonal);

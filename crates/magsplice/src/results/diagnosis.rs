@@ -179,14 +179,19 @@ impl Film {
         let noise_t = self.scan_noise_t(noise)?;
         let unusable: Vec<Option<Exclusion>> =
             readings_t.iter().map(|reading_t| Exclusion::of_reading(&element, *reading_t)).collect();
-        let field_t = |(reading_t, exclusion): (&DVec3, &Option<Exclusion>)| match exclusion {
-            None => element.rotation * ((*reading_t - element.offset_t) / element.gain),
-            Some(_) => DVec3::NAN,
-        };
-        let mut field_t: Vec<DVec3> = readings_t.iter().zip(&unusable).map(field_t).collect();
+        let usable_t = readings_t.iter().zip(&unusable);
+        let usable_t: Vec<DVec3> =
+            usable_t.map(|(reading_t, unusable)| unusable.map_or(*reading_t, |_| DVec3::NAN)).collect();
         if !readings_t.is_empty() && unusable.iter().all(Option::is_some) {
             return Err(FilmError::Scan(ScanError::TooFew { readings: 0, excluded: unusable.len(), needed: 1 }));
         }
+        // No search explains them, and it takes minutes.
+        if let Some(fault @ ColumnFault::StuckField { .. }) = ColumnFault::among(points_mm, &usable_t) {
+            return Err(FilmError::Scan(ScanError::Columns(fault)));
+        }
+        let field_t =
+            usable_t.iter().map(|usable_t| element.rotation * ((*usable_t - element.offset_t) / element.gain));
+        let mut field_t: Vec<DVec3> = field_t.collect();
         if self.recoil().is_some() {
             let [with_t, rigid_t] = [self, &Film::rigid(self.layout().clone())]
                 .map(|film| film.scene().field_at(Quantity::FluxDensity, points_mm).map_err(FilmError::Points));
