@@ -88,13 +88,22 @@ impl SignedAxes {
         let [x, y, z] = self.axes.map(|axis| axis.name());
         let names = (self.axes != Axis::ALL).then(|| format!("name the columns of the field b{x}, b{y}, b{z}"));
         let gains = (gain != [1, 1, 1]).then(|| format!("set gain = {gain:?} in [sensor]"));
-        // Before a film with mirror images, a stage with this axis reversed reads the same.
-        let of_stage = match (self.axes == Axis::ALL, self.is_reversed) {
-            (true, [true, false, false]) => Some("or, if x of the positions is reversed, change its column".to_owned()),
-            (true, [false, true, false]) => Some("or, if y of the positions is reversed, change its column".to_owned()),
-            _ => None,
+        names.into_iter().chain(gains).collect::<Vec<_>>().join(", ")
+    }
+
+    /// [`SignedAxes::remedy`] for readings at stated positions. Before a film with mirror images, a
+    /// stage with these axes reads the same.
+    pub fn remedy_of_scan(self) -> String {
+        let [x, y, z] = Axis::ALL;
+        let of_stage = match (self.axes, self.is_reversed) {
+            (Axis::ALL, [true, false, false]) => ", or, if x of the positions is reversed, change its column",
+            (Axis::ALL, [false, true, false]) => ", or, if y of the positions is reversed, change its column",
+            (axes, [false, false, false]) if axes == [y, x, z] => {
+                ", or, if x and y of the positions are exchanged, exchange their columns"
+            }
+            _ => "",
         };
-        names.into_iter().chain(gains).chain(of_stage).collect::<Vec<_>>().join(", ")
+        self.remedy() + of_stage
     }
 
     /// What makes positions with these axes those that are stated.
@@ -154,17 +163,19 @@ mod tests {
     #[test]
     fn words_name_what_is_changed() {
         let [x, y, z] = Axis::ALL;
-        let of = |axes, is_reversed| SignedAxes { axes, is_reversed }.to_string();
-        assert_eq!(of([x, y, z], [false, false, true]), "z is reversed");
-        assert_eq!(of([y, x, z], [false; 3]), "x and y are exchanged");
-        assert_eq!(of([y, x, z], [true, false, false]), "x, y, z are -y, x, z");
-        let remedy = |axes, is_reversed| SignedAxes { axes, is_reversed }.remedy();
-        assert_eq!(remedy([y, x, z], [false; 3]), "name the columns of the field by, bx, bz");
-        assert_eq!(
-            remedy([x, y, z], [true, false, false]),
-            "set gain = [-1, 1, 1] in [sensor], or, if x of the positions is reversed, change its column"
-        );
-        let both = remedy([y, x, z], [true, false, false]);
-        assert_eq!(both, "name the columns of the field by, bx, bz, set gain = [1, -1, 1] in [sensor]");
+        let of = |axes, is_reversed| SignedAxes { axes, is_reversed };
+        assert_eq!(of([x, y, z], [false, false, true]).to_string(), "z is reversed");
+        assert_eq!(of([y, x, z], [false; 3]).to_string(), "x and y are exchanged");
+        assert_eq!(of([y, x, z], [true, false, false]).to_string(), "x, y, z are -y, x, z");
+        assert_eq!(of([y, x, z], [false; 3]).remedy(), "name the columns of the field by, bx, bz");
+        let both = of([y, x, z], [true, false, false]);
+        assert_eq!(both.remedy(), "name the columns of the field by, bx, bz, set gain = [1, -1, 1] in [sensor]");
+        assert_eq!(both.remedy_of_scan(), both.remedy());
+        let reversed = of([x, y, z], [true, false, false]);
+        let of_stage = "or, if x of the positions is reversed, change its column";
+        assert_eq!(reversed.remedy_of_scan(), format!("set gain = [-1, 1, 1] in [sensor], {of_stage}"));
+        let of_stage = "or, if x and y of the positions are exchanged, exchange their columns";
+        let exchanged = of([y, x, z], [false; 3]).remedy_of_scan();
+        assert_eq!(exchanged, format!("name the columns of the field by, bx, bz, {of_stage}"));
     }
 }

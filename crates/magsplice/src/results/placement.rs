@@ -64,7 +64,7 @@ impl FittedScan {
         let angle_deg = 2.0 * difference.w.abs().min(1.0).acos().to_degrees();
         let is_exchange = axes != SignedAxes::SAME && angle_deg <= MOST_MOUNTING_DEG;
         is_exchange.then(|| {
-            let remedy = axes.remedy();
+            let remedy = axes.remedy_of_scan();
             format!(
                 "axes of the sensor: its rotation is that of exchanged axes: {axes}: if it was not mounted so, {remedy}; \
                  if it was, state its rotation in [sensor]"
@@ -123,7 +123,7 @@ impl fmt::Display for SensorPlacement {
             return f.write_str(": fit them with the errors of tiles");
         }
         if self.sensor_axes != SignedAxes::SAME {
-            write!(f, "; axes of the sensor: {}: {}", self.sensor_axes, self.sensor_axes.remedy())?;
+            write!(f, "; axes of the sensor: {}: {}", self.sensor_axes, self.sensor_axes.remedy_of_scan())?;
         }
         if self.stage_axes != SignedAxes::SAME {
             write!(f, "; axes of the positions: {}: {}", self.stage_axes, self.stage_axes.remedy_of_positions())?;

@@ -322,7 +322,7 @@ impl FilmScan {
     /// Exchanged and reversed axes, those of a rotation too, with remedies, one sentence each.
     pub fn exchanged_axes(&self) -> Vec<String> {
         let of_sensor = (self.sensor_axes != SignedAxes::SAME)
-            .then(|| format!("axes of the sensor: {}: {}", self.sensor_axes, self.sensor_axes.remedy()));
+            .then(|| format!("axes of the sensor: {}: {}", self.sensor_axes, self.sensor_axes.remedy_of_scan()));
         let of_stage = (self.stage_axes != SignedAxes::SAME)
             .then(|| format!("axes of the positions: {}: {}", self.stage_axes, self.stage_axes.remedy_of_positions()));
         of_sensor.into_iter().chain(self.fitted.rotated_axes()).chain(of_stage).collect()
