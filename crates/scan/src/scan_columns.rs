@@ -22,14 +22,14 @@ impl ScanColumns {
         let of_scan: Vec<DVector<f64>> = ScanParameter::ALL
             .into_iter()
             .filter(|parameter| free.contains(*parameter))
-            .map(|parameter| {
+            .filter_map(|parameter| {
                 let of_place = |place: usize| match parameter {
                     ScanParameter::Strength => reading * field_t[place],
                     ScanParameter::Offset(axis) => axis.unit(),
                     ScanParameter::Rotation(axis) => reading * field_t[place].cross(axis.unit()),
                     ScanParameter::Start(axis) => reading * gradients[place].col(axis.index()),
                 };
-                column((0..field_t.len()).map(of_place)).normalize()
+                column((0..field_t.len()).map(of_place)).try_normalize(0.0)
             })
             .collect();
         if of_scan.is_empty() {
@@ -56,4 +56,19 @@ impl ScanColumns {
 /// Vectors as one column.
 pub(crate) fn column(vectors: impl Iterator<Item = DVec3>) -> DVector<f64> {
     DVector::from_vec(vectors.flat_map(|vector| vector.to_array()).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parameters_that_change_no_reading_explain_nothing() {
+        let of = |field_t: DVec3, free| ScanColumns::new(&[field_t; 2], &[DMat3::ZERO; 2], DMat3::IDENTITY, free);
+        let change = || DVector::from_element(6, 1.0);
+        let (strength, all) = (FreeParameters { strength: true, ..FreeParameters::NONE }, FreeParameters::ALL);
+        assert_eq!(of(DVec3::ZERO, strength).unexplained(change()), change());
+        assert!(of(DVec3::ONE, strength).unexplained(change()).norm() < 1e-15);
+        assert!(of(DVec3::ZERO, all).unexplained(change()).norm() < 1e-15);
+    }
 }
