@@ -95,8 +95,9 @@ impl FilmDiagnosis {
         (self.is_residual_too_large && self.made_as.is_none()).then(|| {
             format!(
                 "chi squared of the residual is {} times its expectation: the noise is larger than specified, the readings \
-                 drift, the tiles have other or larger errors than are expected (a preset expects errors of every tile), or \
-                 the positions of the scan are wrong",
+                 drift or have other gains (a fit without errors of tiles, as by scan, names both), the tiles have other or \
+                 larger errors than are expected (a preset expects errors of every tile), or the positions of the scan are \
+                 wrong",
                 ratio(self.reduced_chi_squared())
             )
         })
