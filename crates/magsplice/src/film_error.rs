@@ -143,7 +143,8 @@ pub enum FilmError {
     /// Steps of an experiment in millimetres that are not above 0, or too small for the working
     /// volume.
     #[error(
-        "steps of ({}, {}, {}) mm: each must be above 0 and give at most 100000 steps in the working volume",
+        "steps of ({}, {}, {}) mm: each must be above 0 and give at most 100000 steps in the working volume and from the \
+         reference point to it",
         .0.x, .0.y, .0.z
     )]
     ExperimentStep(DVec3),

@@ -194,6 +194,11 @@ fn films_that_are_bent_and_turned_tell_other_displacements() {
     refused(&["--heights", "twice.csv"]).refuses("twice.csv: line 5: has the x and y of an earlier line");
     refused(&["--step", "0mm"]).refuses_arguments("each step must be above 0");
     refused(&["--step", "1e-7mm"]).refuses("each must be above 0 and give at most 100000 steps in the working volume");
+    let far = sandbox.read("film.toml").replace("reference_mm = [0.0,", "reference_mm = [1e300,");
+    sandbox.write("far.toml", &far);
+    sandbox
+        .run(&["experiment", "far.toml"])
+        .refuses("at most 100000 steps in the working volume and from the reference");
     refused(&["--shift", "1mm"]).refuses_arguments("must be three lengths, such as 0.1mm,0,0");
     refused(&["--rotate", "0,1rad,0"]).refuses_arguments("has the unit rad, must be an angle in deg");
     refused(&["-o", "moved.vtp"]).refuses("steps have no place in VTK");

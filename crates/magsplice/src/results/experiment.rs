@@ -58,7 +58,7 @@ impl Film {
     ) -> Result<FilmExperiments, FilmError> {
         let volume = self.volume_for(LOCATOR_BYTES_PER_POINT)?;
         let (grid, reference) = (volume.grid, volume.reference_mm);
-        let most = (grid.upper() - grid.lower()) / step_mm;
+        let most = (grid.upper().max(reference) - grid.lower().min(reference)) / step_mm;
         if !(step_mm.cmpgt(DVec3::ZERO).all() && most.cmple(DVec3::splat(MOST_STEPS)).all()) {
             return Err(FilmError::ExperimentStep(step_mm));
         }
