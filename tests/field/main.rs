@@ -10,6 +10,8 @@ mod golden;
 mod gradients;
 /// Scenes with every instruction set of the processor against the oracle.
 mod instruction_sets;
+/// Flat iron beside tiles, against explicit images and the law of its surface.
+mod iron;
 /// Physical laws on chosen scenes: superposition, div B = 0, curl H = 0, the dipole limit.
 mod laws;
 /// B, H and the gradient of one tile against the oracle.

@@ -61,6 +61,11 @@ impl DirectSum {
         DirectSum { owners: Some(owners), ..self }
     }
 
+    /// The index of a tile in errors.
+    pub fn owner(&self, tile: usize) -> usize {
+        self.owners.as_ref().map_or(tile, |owners| owners[tile])
+    }
+
     /// Replaces the vector instructions.
     pub fn with_level(self, level: Level) -> DirectSum {
         DirectSum { level, ..self }
@@ -282,8 +287,7 @@ impl DirectSum {
                 }
             }
         }
-        let tile = edges.tile().or(blocks.tile()).expect("the point is singular");
-        self.owners.as_ref().map_or(tile, |owners| owners[tile])
+        self.owner(edges.tile().or(blocks.tile()).expect("the point is singular"))
     }
 
     fn polarization(&self, point: DVec3) -> Result<DVec3, PointErrorCause> {

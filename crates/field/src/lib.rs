@@ -2,6 +2,7 @@
 //!
 //! * [`Scene`]: B, H, J and gradients of tiles, at a point or at many points in parallel, exact or
 //!   within a tolerance.
+//! * [`IronPlanes`]: flat iron around the tiles, see [`Scene::with_planes`].
 //! * [`Plan`]: the models that a tolerance uses, with their errors and costs.
 //! * [`FittedField`]: a box prepared for repeated look-ups.
 //! * [`PolarizationMap`]: the field at fixed points as a linear map of the tiles' polarizations.
@@ -36,9 +37,9 @@ pub use magsplice_cuboid::tolerances::{EXACT_BOUND, GRADIENT_BOUND};
 pub use magsplice_cuboid::{FaceDerivatives, FaceHessian};
 pub use magsplice_ideal::{Comparison, ComparisonError, IdealFilm, IdealFilmFault, IdealFilmFaults};
 pub use magsplice_magnet::{
-    Accuracy, BoundingBox, Grid, GridFault, InvalidTolerance, MAX_LENGTH, MAX_POLARIZATION_T, MIN_ASPECT, MIN_SIZE,
-    MU_0, Overlap, PointError, PointErrorCause, PointErrors, Quantity, Tile, TileFault, TileFaults, Tolerance,
-    UNIT_NORM_TOLERANCE, overlap, overlaps,
+    Accuracy, BoundingBox, Grid, GridFault, InvalidTolerance, IronPlane, IronPlaneFault, IronPlanes, IronPlanesFault,
+    MAX_LENGTH, MAX_POLARIZATION_T, MIN_ASPECT, MIN_SIZE, MU_0, Overlap, PointError, PointErrorCause, PointErrors,
+    Quantity, Tile, TileBehindPlane, TileFault, TileFaults, Tolerance, UNIT_NORM_TOLERANCE, overlap, overlaps,
 };
 pub use magsplice_simd::{InstructionSet, MissingInstructions};
 pub use plan::{Model, Plan, PlannedPart};

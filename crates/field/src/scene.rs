@@ -3,7 +3,8 @@
 use fearless_simd::Level;
 use glam::{DMat3, DVec3};
 use magsplice_magnet::{
-    Accuracy, BoundingBox, Grid, MU_0, PointError, PointErrorCause, PointErrors, Quantity, Tile, Tolerance,
+    Accuracy, BoundingBox, Grid, IronPlanes, MU_0, PointError, PointErrorCause, PointErrors, Quantity, Tile,
+    TileBehindPlane, Tolerance,
 };
 use magsplice_simd::{InstructionSet, MissingInstructions};
 
@@ -56,13 +57,20 @@ pub struct Scene {
     direct: DirectSum,
     accuracy: Accuracy,
     tree: LazyTree,
+    /// Number of tiles, which precede their images.
+    tiles: usize,
+    iron: Iron,
 }
 
 impl Scene {
     /// Prepares tiles for evaluation. Indices of tiles in errors refer to `tiles`.
     pub fn new(tiles: &[Tile]) -> Scene {
-        let direct = DirectSum::new(tiles, Level::new());
-        Scene { tree: LazyTree::new(&direct, Accuracy::Exact), accuracy: Accuracy::Exact, direct }
+        Scene::of_direct(DirectSum::new(tiles, Level::new()))
+    }
+
+    fn of_direct(direct: DirectSum) -> Scene {
+        let (tree, tiles) = (LazyTree::new(&direct, Accuracy::Exact), direct.tiles().len());
+        Scene { tree, accuracy: Accuracy::Exact, tiles, iron: Iron::default(), direct }
     }
 
     /// Prepares the cells of divided tiles. `owners` holds the index of the tile of each cell, for
@@ -72,18 +80,46 @@ impl Scene {
     /// If the numbers of cells and owners differ.
     pub fn of_cells(cells: &[Tile], owners: &[usize]) -> Scene {
         assert_eq!(cells.len(), owners.len(), "one owner for each cell");
-        let direct = DirectSum::new(cells, Level::new()).with_owners(owners.into());
-        Scene { tree: LazyTree::new(&direct, Accuracy::Exact), accuracy: Accuracy::Exact, direct }
+        Scene::of_direct(DirectSum::new(cells, Level::new()).with_owners(owners.into()))
     }
 
-    /// Number of tiles.
+    /// Adds the field of flat iron that the tiles magnetize, as the field of their images. The scene
+    /// then has a field before all planes only, and no other iron than this.
+    ///
+    /// One plane adds no error. Between two planes the field lacks the images of
+    /// [`Scene::truncation_error_t`], beside the error of its accuracy.
+    ///
+    /// # Errors
+    /// The first tile that is not before all planes.
+    pub fn with_planes(self, planes: &IronPlanes) -> Result<Scene, TileBehindPlane> {
+        let own = &self.direct.tiles()[..self.tiles];
+        let images = planes.images(own)?;
+        let owner = |tile: usize| self.direct.owner(tile);
+        let owners: Vec<usize> = (0..own.len()).chain(images.owners).map(owner).collect();
+        let tiles = [own, &images.tiles].concat();
+        let direct = DirectSum::new(&tiles, self.direct.level()).with_owners(owners.into());
+        let iron = Iron { planes: planes.clone(), truncation_error_t: images.truncation_error_t };
+        Ok(Scene { tree: LazyTree::new(&direct, self.accuracy), direct, iron, ..self })
+    }
+
+    /// The iron around the tiles.
+    pub fn planes(&self) -> &IronPlanes {
+        &self.iron.planes
+    }
+
+    /// Largest flux density of the omitted images between two planes of iron, in tesla; 0 without.
+    pub fn truncation_error_t(&self) -> f64 {
+        self.iron.truncation_error_t
+    }
+
+    /// Number of tiles with their images.
     pub fn tile_count(&self) -> usize {
         self.direct.tiles().len()
     }
 
-    /// The box around all tiles.
+    /// The box around all tiles, without images.
     pub fn bounding_box(&self) -> BoundingBox {
-        BoundingBox::from_tiles(self.direct.tiles())
+        BoundingBox::from_tiles(&self.direct.tiles()[..self.tiles])
     }
 
     /// The accuracy of the fields.
@@ -126,6 +162,7 @@ impl Scene {
     /// If the field is unbounded at the point or the point is not a finite number. Returned values
     /// are finite.
     pub fn field(&self, quantity: Quantity, point: DVec3) -> Result<DVec3, PointErrorCause> {
+        self.iron.check(point)?;
         let (mut field, mut failure) = ([DVec3::NAN], None);
         self.direct.field_of_batch(quantity, &[point], &mut field, &mut |_, cause| failure = Some(cause));
         failure.map_or(Ok(field[0]), Err)
@@ -174,24 +211,28 @@ impl Scene {
         field: &mut [DVec3],
         progress: &(dyn Fn(usize) + Sync),
     ) -> Result<(), PointErrors> {
-        match self.tolerance_for(quantity) {
+        let result = match self.tolerance_for(quantity) {
             Some(tolerance) => {
                 assert_eq!(points.len(), field.len(), "one value per point");
                 none_or(at_points(&self.direct, &self.tree, tolerance, quantity, points, field, progress))
             }
             None => self.direct.exact_field_with_progress(quantity, points, field, progress),
-        }
+        };
+        self.iron.without_inner(result, points.iter().copied(), field, DVec3::NAN)
     }
 
     /// Upper bound of the error of the exact B at each point, in tesla:
     /// [`EXACT_BOUND`](crate::EXACT_BOUND) times an upper bound of the sum over tiles of the
-    /// magnitudes of the fields of the three components of J, and the error of joined faces.
+    /// magnitudes of the fields of the three components of J, and the error of joined faces. Omitted
+    /// images between planes of iron count.
     ///
     /// A component of B below the bound may be pure rounding. The bound is infinite at points that
     /// are not finite. It excludes the displacement of points in the frames of rotated tiles (see
     /// [`Scene`]).
     pub fn error_bounds_t(&self, points: &[DVec3]) -> Vec<f64> {
-        self.direct.error_bounds_t(points)
+        let mut bounds_t = self.direct.error_bounds_t(points);
+        bounds_t.iter_mut().for_each(|bound_t| *bound_t += self.iron.truncation_error_t);
+        bounds_t
     }
 
     /// The field at every point of a grid, z fastest; [`Scene::field_on_grid_into`] with a new
@@ -237,7 +278,8 @@ impl Scene {
     ) -> Result<(), PointErrors> {
         assert_eq!(grid.len(), field.len(), "one value per point");
         if let Some(tolerance) = self.tolerance_for(quantity) {
-            return none_or(on_grid(&self.direct, &self.tree, tolerance, quantity, grid, field, progress));
+            let errors = on_grid(&self.direct, &self.tree, tolerance, quantity, grid, field, progress);
+            return self.iron.without_inner(none_or(errors), grid.points(), field, DVec3::NAN);
         }
         let mut errors = Vec::new();
         for (number, field) in field.chunks_mut(GRID_POINTS_AT_ONCE).enumerate() {
@@ -247,7 +289,7 @@ impl Scene {
                 errors.extend(found.into_iter().map(|error| PointError { index: start + error.index, ..error }));
             }
         }
-        none_or(errors)
+        self.iron.without_inner(none_or(errors), grid.points(), field, DVec3::NAN)
     }
 
     /// The gradient at one point: column j is the derivative along x_j, in the unit of the quantity
@@ -267,6 +309,7 @@ impl Scene {
     /// If the gradient is unbounded at the point, if it cannot be resolved there (see
     /// [`PointErrorCause::Unresolved`]), or if the point is not a finite number.
     pub fn gradient(&self, quantity: Quantity, point: DVec3) -> Result<DMat3, PointErrorCause> {
+        self.iron.check(point)?;
         let (mut gradient, mut failure) = ([DMat3::NAN], None);
         self.direct.flux_density_gradient_of_batch(&[point], &mut gradient, &mut |_, cause| failure = Some(cause));
         failure.map_or(Ok(in_unit_of(quantity, gradient[0])), Err)
@@ -297,6 +340,7 @@ impl Scene {
         gradient: &mut [DMat3],
     ) -> Result<(), PointErrors> {
         let result = self.direct.flux_density_gradient_into(points, gradient);
+        let result = self.iron.without_inner(result, points.iter().copied(), gradient, DMat3::NAN);
         gradient.iter_mut().for_each(|gradient| *gradient = in_unit_of(quantity, *gradient));
         result
     }
@@ -311,6 +355,9 @@ impl Scene {
         upper: DVec3,
         tolerance: Tolerance,
     ) -> Result<FittedField, FittedFieldError> {
+        if [lower, upper].into_iter().any(|corner| self.iron.check(corner).is_err()) {
+            return Err(FittedFieldError::InIron);
+        }
         FittedField::new(&self.direct, lower, upper, tolerance)
     }
 
@@ -332,6 +379,42 @@ impl Scene {
             (Accuracy::Within(tolerance), Quantity::FluxDensity | Quantity::FieldStrength) => Some(tolerance),
             (Accuracy::Exact, _) | (_, Quantity::Polarization) => None,
         }
+    }
+}
+
+/// The iron around a scene.
+#[derive(Clone, Debug, Default)]
+struct Iron {
+    planes: IronPlanes,
+    truncation_error_t: f64,
+}
+
+impl Iron {
+    fn check(&self, point: DVec3) -> Result<(), PointErrorCause> {
+        self.planes.plane_before(point).map_or(Ok(()), |plane| Err(PointErrorCause::InIron { plane }))
+    }
+
+    /// Replaces the values of points in iron, where the images give no field, by `nan` and errors.
+    fn without_inner<V: Copy>(
+        &self,
+        result: Result<(), PointErrors>,
+        points: impl Iterator<Item = DVec3>,
+        values: &mut [V],
+        nan: V,
+    ) -> Result<(), PointErrors> {
+        if self.planes.is_empty() {
+            return result;
+        }
+        let mut errors = result.err().unwrap_or(PointErrors(Vec::new())).0;
+        errors.retain(|error| self.check(error.point).is_ok());
+        for (index, (point, value)) in points.zip(values.iter_mut()).enumerate() {
+            if let Err(cause) = self.check(point) {
+                *value = nan;
+                errors.push(PointError { index, point, cause });
+            }
+        }
+        errors.sort_by_key(|error| error.index);
+        none_or(errors)
     }
 }
 

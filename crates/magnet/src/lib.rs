@@ -10,6 +10,7 @@
 //! * [`PointErrors`]: the points at which a field does not exist, and why.
 //! * [`BoundingBox`]: a box with sides along the axes.
 //! * [`HallSensor`]: the sensor that reads the field.
+//! * [`IronPlanes`]: flat iron around tiles, and their images in it.
 //! * [`Deformation`]: films that are shifted, turned and bent.
 //!
 //! # Units
@@ -40,6 +41,10 @@ mod grid;
 mod hall_sensor;
 /// Heights over a plane.
 mod height_map;
+/// A flat half space of iron, and the image of a tile in it.
+mod iron_plane;
+/// The iron around tiles, and their images between its planes.
+mod iron_planes;
 /// Corners and outlines of tiles.
 mod outline;
 /// Pairs of tiles that share volume.
@@ -69,6 +74,8 @@ pub use deformation::{Bend, Deformation, DeformationError};
 pub use grid::{Grid, GridFault};
 pub use hall_sensor::{GAIN_MAGNITUDES, HallSensor, HallSensorFault, MAX_SENSOR_ERROR_T};
 pub use height_map::{HeightMap, HeightMapError, InvalidHeightMap};
+pub use iron_plane::{IronPlane, IronPlaneFault};
+pub use iron_planes::{IronPlanes, IronPlanesFault, TileBehindPlane, TileImages};
 pub use outline::convex_hull;
 pub use overlap::{Overlap, TooManyPairs, box_overlap, overlap, overlaps, overlaps_among};
 pub use permeability::{InvalidPermeability, MAX_PERMEABILITY, Permeability};

@@ -30,6 +30,11 @@ pub enum PointErrorCause {
         /// The error bound of the exact field in tesla, from an upper bound of the sum over tiles.
         bound_t: f64,
     },
+    /// The point is on or in iron, where the images of the tiles give no field.
+    InIron {
+        /// Index of the plane of the iron.
+        plane: usize,
+    },
 }
 
 /// A point without a field.
@@ -74,6 +79,9 @@ impl fmt::Display for PointErrorCause {
                 "the tolerance cannot be kept: even the exact field is only certain to {bound_t:.1e} T; \
                  take a larger tolerance, or one in tesla"
             ),
+            PointErrorCause::InIron { plane } => {
+                write!(f, "the point is on or behind plane {plane}, in iron, whose inner field is not computed")
+            }
         }
     }
 }

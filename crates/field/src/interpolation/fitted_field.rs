@@ -84,6 +84,8 @@ pub enum FittedFieldError {
     TooNear,
     /// The tolerance is below the rounding error of the exact field.
     TooExact,
+    /// A part of the box is in iron.
+    InIron,
 }
 
 /// A point without a value in a look-up.
@@ -307,6 +309,9 @@ impl fmt::Display for FittedFieldError {
             }
             FittedFieldError::TooExact => {
                 "the tolerance is below the rounding error of the field; use a larger tolerance"
+            }
+            FittedFieldError::InIron => {
+                "a part of the box is on or behind a plane of iron; use a box before all planes"
             }
         })
     }

@@ -1,0 +1,276 @@
+//! The iron around tiles, and the images of tiles between its planes.
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+use thiserror::Error;
+
+use crate::bounding_box::BoundingBox;
+use crate::iron_plane::IronPlane;
+use crate::tile::Tile;
+use crate::tolerances::{OVERLAP_ROUNDINGS, UNIT_ROUNDOFF};
+
+/// Sine of the angle between two planes up to which they count as parallel: round-off of normals
+/// that were converted from angles.
+const PARALLEL: f64 = 64.0 * UNIT_ROUNDOFF;
+
+/// Flux density of all omitted images that ends the series of two planes, in tesla: a hundredth of
+/// a microtesla, of which a Hall sensor resolves some tenths.
+const NEGLIGIBLE_T: f64 = 1e-8;
+
+/// Largest number of successive reflections: 256 images of each tile. The largest error that then
+/// remains is part of the result.
+const MOST_REFLECTIONS: u32 = 128;
+
+/// The iron around a scene: no plane, one, or two that face each other.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct IronPlanes {
+    planes: Vec<IronPlane>,
+}
+
+/// A rule that planes of iron break together, by their numbers.
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
+#[non_exhaustive]
+pub enum IronPlanesFault {
+    /// Images in planes at other angles have images behind both, in a series without end.
+    #[error(
+        "planes {0} and {1} are not parallel, must be: the images of tiles in planes at an angle are no field of the space \
+         between them, except at some angles"
+    )]
+    NotParallel(usize, usize),
+    /// One plane is behind the other.
+    #[error("plane {1} is behind plane {0} and has no effect there: leave it out")]
+    Behind(usize, usize),
+    /// No space remains between two planes.
+    #[error("no space remains between planes {0} and {1}")]
+    NoSpace(usize, usize),
+}
+
+/// A tile that is not before all planes.
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
+#[error("tile {tile} reaches {depth} behind plane {plane}, must be before it")]
+pub struct TileBehindPlane {
+    /// Index of the tile.
+    pub tile: usize,
+    /// Index of the plane.
+    pub plane: usize,
+    /// How far it reaches into the iron; infinite where its image is out of the range of tiles.
+    pub depth: f64,
+}
+
+/// The images of tiles.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TileImages {
+    /// The images.
+    pub tiles: Vec<Tile>,
+    /// The index of the tile of each image.
+    pub owners: Vec<usize>,
+    /// Largest flux density of the images that are left out, at any point before the planes; 0 with
+    /// one plane.
+    pub truncation_error_t: f64,
+}
+
+impl IronPlanes {
+    /// Checks planes against each other.
+    ///
+    /// # Errors
+    /// The first broken rule.
+    pub fn new(planes: Vec<IronPlane>) -> Result<IronPlanes, IronPlanesFault> {
+        for (second, other) in planes.iter().enumerate() {
+            for (first, one) in planes[..second].iter().enumerate() {
+                if one.normal().cross(other.normal()).length() > PARALLEL {
+                    return Err(IronPlanesFault::NotParallel(first, second));
+                }
+                if one.normal().dot(other.normal()) > 0.0 {
+                    let is_behind = other.distance(one.point()) >= 0.0;
+                    let (before, behind) = if is_behind { (first, second) } else { (second, first) };
+                    return Err(IronPlanesFault::Behind(before, behind));
+                }
+                if !(one.distance(other.point()) > 0.0) {
+                    return Err(IronPlanesFault::NoSpace(first, second));
+                }
+            }
+        }
+        Ok(IronPlanes { planes })
+    }
+
+    /// Whether there is no iron.
+    pub fn is_empty(&self) -> bool {
+        self.planes.is_empty()
+    }
+
+    /// The planes.
+    pub fn planes(&self) -> &[IronPlane] {
+        &self.planes
+    }
+
+    /// The plane that a point is on or behind.
+    pub fn plane_before(&self, point: DVec3) -> Option<usize> {
+        // NaN is behind no plane: it has its own error.
+        self.planes.iter().position(|plane| plane.distance(point) <= 0.0)
+    }
+
+    /// The images of tiles, whose field adds to theirs. Images in two planes have images again; the
+    /// series ends where the omitted images have less than 1e-8 T, or after 128 reflections.
+    ///
+    /// # Errors
+    /// The first tile that is not before all planes.
+    pub fn images(&self, tiles: &[Tile]) -> Result<TileImages, TileBehindPlane> {
+        for (number, plane) in self.planes.iter().enumerate() {
+            for (index, tile) in tiles.iter().enumerate() {
+                let corners = tile.corners_mm();
+                let largest = corners.iter().fold(plane.point().abs(), |largest, corner| largest.max(corner.abs()));
+                let round_off = OVERLAP_ROUNDINGS * UNIT_ROUNDOFF * largest.element_sum();
+                let depth = corners.map(|corner| -plane.distance(corner)).into_iter().fold(f64::NEG_INFINITY, f64::max);
+                if depth > round_off {
+                    return Err(TileBehindPlane { tile: index, plane: number, depth });
+                }
+            }
+        }
+        let mut images = TileImages::default();
+        let reflections = match self.planes[..] {
+            [] => 0,
+            [_] => 1,
+            _ => {
+                let omitted = OmittedImages::new(&self.planes[0], &self.planes[1], tiles);
+                let is_enough = |reflections: &u32| omitted.bound_t(*reflections) <= NEGLIGIBLE_T;
+                let reflections = (2..MOST_REFLECTIONS).find(is_enough).unwrap_or(MOST_REFLECTIONS);
+                images.truncation_error_t = omitted.bound_t(reflections);
+                reflections
+            }
+        };
+        for first in 0..self.planes.len() {
+            let mut last = tiles.to_vec();
+            for reflection in 0..reflections as usize {
+                let number = (first + reflection) % self.planes.len();
+                let plane = &self.planes[number];
+                if plane.image_factor() == 0.0 {
+                    break;
+                }
+                for (tile, of) in last.iter_mut().enumerate() {
+                    let out_of_range = |_| TileBehindPlane { tile, plane: number, depth: f64::INFINITY };
+                    *of = plane.image(of).map_err(out_of_range)?;
+                }
+                images.tiles.extend(&last);
+                images.owners.extend(0..tiles.len());
+            }
+        }
+        Ok(images)
+    }
+}
+
+/// The images between two planes that a series leaves out.
+struct OmittedImages {
+    /// Distance of the planes.
+    gap: f64,
+    factors: [f64; 2],
+    /// Sum of |J| V over all tiles, and magnitude of their sum.
+    moments: [f64; 2],
+    /// Largest distance of a point of a tile from the centre of all.
+    reach: f64,
+}
+
+impl OmittedImages {
+    fn new(one: &IronPlane, other: &IronPlane, tiles: &[Tile]) -> OmittedImages {
+        let moment = |tile: &Tile| tile.scene_polarization_t() * tile.size().element_product();
+        let sum: DVec3 = tiles.iter().map(moment).sum();
+        OmittedImages {
+            gap: one.distance(other.point()),
+            factors: [one, other].map(IronPlane::image_factor),
+            moments: [tiles.iter().map(|tile| moment(tile).length()).sum(), sum.length()],
+            reach: if tiles.is_empty() { 0.0 } else { BoundingBox::from_tiles(tiles).half_size().length() },
+        }
+    }
+
+    /// Upper bound of the flux density of all images after more than so many reflections, at least
+    /// 2, anywhere between the planes.
+    ///
+    /// Images after k reflections are (k - 1) gaps or more from every point between the planes. At a
+    /// distance r their field is at most that of their dipole at the centre of the film, |sum of J V|
+    /// / (2 pi r^3), and the change of the fields of dipoles that are displaced by the reach of the
+    /// film, sum of |J| V 3 reach / (2 pi r^4). Sums over k are below integrals, and below geometric
+    /// series.
+    fn bound_t(&self, reflections: u32) -> f64 {
+        let k = f64::from(reflections);
+        let [a, b] = self.factors;
+        let pair = a * b;
+        let next = reflections + 1;
+        // The largest of both series, with an even or odd number of reflections.
+        let factor = pair.powi((next / 2) as i32) * if next % 2 == 1 { a.max(b) } else { 1.0 };
+        let sum = |power: i32| {
+            let of_integral = 1.0 / k.powi(power) + k.powi(1 - power) / f64::from(power - 1);
+            let of_series = 2.0 / (1.0 - pair) / k.powi(power);
+            of_integral.min(of_series)
+        };
+        let [each, all] = self.moments;
+        let dipoles = all * sum(3) / self.gap.powi(3);
+        let others = 3.0 * each * self.reach * sum(4) / self.gap.powi(4);
+        // Two series, each begun by one of the planes.
+        2.0 * factor * (dipoles + others) / (2.0 * PI)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::iron_plane::IronPlaneFault;
+
+    fn plane(z: f64, up: f64, mu_r: f64) -> IronPlane {
+        IronPlane::new(DVec3::new(0.0, 0.0, z), DVec3::new(0.0, 0.0, up), mu_r).unwrap()
+    }
+
+    fn tile() -> Tile {
+        Tile::new(DVec3::new(1.0, 2.0, 0.5), DVec3::new(3.0, 2.0, 1.0), DVec3::new(0.1, 0.2, 0.3)).unwrap()
+    }
+
+    #[test]
+    fn images_are_mirrored_and_weakened() {
+        let above = IronPlanes::new(vec![plane(2.0, -1.0, 3.0)]).unwrap();
+        let images = above.images(&[tile()]).unwrap();
+        let expected = Tile::new(DVec3::new(1.0, 2.0, 3.5), tile().size(), DVec3::new(-0.05, -0.1, 0.15)).unwrap();
+        assert_eq!((images.tiles, images.owners, images.truncation_error_t), (vec![expected], vec![0], 0.0));
+        let air = IronPlanes::new(vec![plane(2.0, -1.0, 1.0)]).unwrap();
+        assert_eq!(air.images(&[tile()]).unwrap(), TileImages::default());
+    }
+
+    /// An oblique plane mirrors every corner onto a corner, and J as a reversed polar vector.
+    #[test]
+    fn oblique_planes_mirror_corners() {
+        let turn = glam::DQuat::from_axis_angle(DVec3::new(1.0, -2.0, 0.5).normalize(), 0.7);
+        let tile = tile().rotated(turn).unwrap();
+        for normal in [DVec3::new(0.3, -0.2, -1.0), DVec3::new(-5.0, 0.1, 0.2), turn * DVec3::Y, -(turn * DVec3::Z)] {
+            let plane = IronPlane::new(-4.0 * normal.normalize(), normal, f64::INFINITY).unwrap();
+            let image = plane.image(&tile).unwrap();
+            let mirrored = |point: DVec3| point - 2.0 * plane.distance(point) * plane.normal();
+            for corner in tile.corners_mm() {
+                let found = image.corners_mm().into_iter().map(|other| (other - mirrored(corner)).length());
+                assert!(found.fold(f64::INFINITY, f64::min) < 1e-14, "{normal}");
+            }
+            let j_t = tile.scene_polarization_t();
+            let expected_t = -(j_t - 2.0 * j_t.dot(plane.normal()) * plane.normal());
+            assert!((image.scene_polarization_t() - expected_t).length() < 1e-15, "{normal}");
+        }
+    }
+
+    #[test]
+    fn planes_that_have_no_series_of_images_are_refused() {
+        let tilted = IronPlane::new(DVec3::ZERO, DVec3::new(0.0, 1e-6, 1.0), 100.0).unwrap();
+        let below = plane(-1.0, 1.0, 100.0);
+        assert_eq!(IronPlanes::new(vec![below, tilted]), Err(IronPlanesFault::NotParallel(0, 1)));
+        assert_eq!(IronPlanes::new(vec![below, plane(-2.0, 1.0, 9.0)]), Err(IronPlanesFault::Behind(0, 1)));
+        assert_eq!(IronPlanes::new(vec![below, plane(0.0, 1.0, 9.0)]), Err(IronPlanesFault::Behind(1, 0)));
+        assert_eq!(IronPlanes::new(vec![below, plane(-1.0, -1.0, 9.0)]), Err(IronPlanesFault::NoSpace(0, 1)));
+        let planes = IronPlanes::new(vec![below, plane(0.8, -1.0, 9.0)]).unwrap();
+        let behind = planes.images(&[tile()]).unwrap_err();
+        assert!((behind.tile, behind.plane) == (0, 1) && (behind.depth - 0.2).abs() < 1e-15);
+        assert_eq!(
+            [-2.0, -1.0, 0.0, 0.9].map(|z| planes.plane_before(DVec3::new(9.0, 0.0, z))),
+            [Some(0), Some(0), None, Some(1)]
+        );
+        let fault = |point: DVec3, normal, mu_r| IronPlane::new(point, normal, mu_r).unwrap_err();
+        assert_eq!(fault(DVec3::NAN, DVec3::Z, 2.0), IronPlaneFault::Point);
+        assert_eq!(fault(DVec3::ZERO, DVec3::ZERO, 2.0), IronPlaneFault::Normal);
+        assert_eq!(fault(DVec3::ZERO, DVec3::Z, 0.9), IronPlaneFault::Permeability(0.9));
+    }
+}
