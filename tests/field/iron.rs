@@ -77,7 +77,7 @@ fn field_lines_meet_ideal_iron_at_right_angles() {
         let scene = Scene::new(&tiles()).with_planes(&iron).expect("before the planes");
         assert!(scene.truncation_error_t() < 2e-7, "{}", scene.truncation_error_t());
         for plane in iron.planes() {
-            // A point on a plane is in the iron. Over 1e-9 mm the field varies by less than 1e-8 of itself.
+            // A point on a plane is in the iron. Over 1e-9 mm the field varies by less than 1e-8.
             let point = |n: f64| plane.point() + (n - 4.0) * along + (0.3 * n - 1.0) * across + 1e-9 * plane.normal();
             let places: Vec<DVec3> = (0..9).map(|n| point(f64::from(n))).collect();
             for b_t in scene.field_at(Quantity::FluxDensity, &places).expect("a field") {

@@ -41,6 +41,9 @@ pub enum DesignError {
     /// The layout lacks this table.
     #[error("{0}")]
     Missing(NeededTable),
+    /// The layout has flat iron.
+    #[error("films are designed without the field of iron: leave out [[plane]]")]
+    Iron,
     /// There is not enough memory.
     #[error("{0}")]
     Memory(#[source] MemoryError),

@@ -83,8 +83,8 @@ impl Scene {
         Scene::of_direct(DirectSum::new(cells, Level::new()).with_owners(owners.into()))
     }
 
-    /// Adds the field of flat iron that the tiles magnetize, as the field of their images. The scene
-    /// then has a field before all planes only, and no other iron than this.
+    /// Adds the field of flat iron that the tiles magnetize, as the field of their images. The
+    /// scene then has a field before all planes only, and no other iron.
     ///
     /// One plane adds no error. Between two planes the field lacks the images of
     /// [`Scene::truncation_error_t`], beside the error of its accuracy.
@@ -223,8 +223,8 @@ impl Scene {
 
     /// Upper bound of the error of the exact B at each point, in tesla:
     /// [`EXACT_BOUND`](crate::EXACT_BOUND) times an upper bound of the sum over tiles of the
-    /// magnitudes of the fields of the three components of J, and the error of joined faces. Omitted
-    /// images between planes of iron count.
+    /// magnitudes of the fields of the three components of J, and the error of joined faces.
+    /// Omitted images between planes of iron count.
     ///
     /// A component of B below the bound may be pure rounding. The bound is infinite at points that
     /// are not finite. It excludes the displacement of points in the frames of rotated tiles (see

@@ -4,6 +4,7 @@ use serde::Serialize;
 use sha2::{Digest, Sha256};
 
 use crate::layout::Layout;
+use crate::plane::PlaneTable;
 use crate::tolerance::table::ToleranceTable;
 use crate::volume::VolumeTable;
 
@@ -18,6 +19,8 @@ struct SampleInputs<'a, S> {
     errors: Option<ToleranceTable>,
     /// The tiles of the neighbour, of which the table has the path only.
     neighbour: Vec<TileNumbers>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    planes: Vec<PlaneTable>,
     volume: Option<VolumeTable>,
     /// Wavelength, thickness and amplitude of the ideal film.
     ideal: Option<[f64; 3]>,
@@ -63,6 +66,7 @@ impl Layout {
             recoil: self.has_recoil().then(|| (permeabilities(), self.material.recoil_error)),
             errors,
             neighbour: neighbour.iter().flat_map(|neighbour| neighbour.tiles.iter().map(numbers)).collect(),
+            planes: self.iron.planes().iter().map(Into::into).collect(),
             volume: self.volume.as_ref().map(Into::into),
             ideal: self.ideal.map(|film| [film.wavelength(), film.thickness(), film.amplitude_t()]),
             settings,

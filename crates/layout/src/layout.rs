@@ -7,7 +7,7 @@ use std::sync::Arc;
 use glam::DQuat;
 use magsplice_head::SensorHead;
 use magsplice_ideal::IdealFilm;
-use magsplice_magnet::{Permeability, Tile};
+use magsplice_magnet::{IronPlanes, Permeability, Tile};
 
 use crate::brief::Brief;
 use crate::elastomer::Elastomer;
@@ -67,6 +67,8 @@ pub struct Layout {
     pub sensor: Option<StatedSensor>,
     /// The elastic layer between film and sensor.
     pub elastomer: Option<Elastomer>,
+    /// Flat iron that moves with the film.
+    pub iron: IronPlanes,
     /// The material of the tiles.
     pub material: Material,
     /// The steps that led to this layout, one text each.

@@ -82,6 +82,8 @@ mod one_or_three;
 mod parts;
 /// Where the tables of a text begin.
 mod places;
+/// `[[plane]]`: flat iron near the film.
+mod plane;
 /// Magnitudes that no magnet and no film has.
 mod plausible;
 /// Rotations in every form of the file.

@@ -5,7 +5,7 @@ use thiserror::Error;
 
 use crate::axis::Axis;
 use crate::tile::{Tile, TileFaults};
-use crate::tolerances::MAX_LENGTH;
+use crate::tolerances::{MAX_LENGTH, NORM_ROUNDING};
 
 /// An infinite half space of permeable material behind a plane, such as a steel sheet behind a
 /// film. It does not saturate.
@@ -47,7 +47,11 @@ impl IronPlane {
             return Err(IronPlaneFault::Point);
         }
         let largest = normal.abs().max_element();
-        let normal = (normal / largest).try_normalize().ok_or(IronPlaneFault::Normal)?;
+        // Normalising a unit vector again would only change the last digit.
+        let normal = match (normal.length() - 1.0).abs() <= NORM_ROUNDING {
+            true => normal,
+            false => (normal / largest).try_normalize().ok_or(IronPlaneFault::Normal)?,
+        };
         if !(relative_permeability >= 1.0) {
             return Err(IronPlaneFault::Permeability(relative_permeability));
         }

@@ -29,27 +29,27 @@ pub struct IronPlanes {
     planes: Vec<IronPlane>,
 }
 
-/// A rule that planes of iron break together, by their numbers.
+/// A rule that planes of iron break together, by their indices. Messages count planes from 1.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum IronPlanesFault {
     /// Images in planes at other angles have images behind both, in a series without end.
     #[error(
-        "planes {0} and {1} are not parallel, must be: the images of tiles in planes at an angle are no field of the space \
-         between them, except at some angles"
+        "planes {} and {} are not parallel, must be: the images of tiles in planes at an angle are no field of the space \
+         between them, except at some angles", .0 + 1, .1 + 1
     )]
     NotParallel(usize, usize),
     /// One plane is behind the other.
-    #[error("plane {1} is behind plane {0} and has no effect there: leave it out")]
+    #[error("plane {} is behind plane {} and has no effect there: leave it out", .1 + 1, .0 + 1)]
     Behind(usize, usize),
     /// No space remains between two planes.
-    #[error("no space remains between planes {0} and {1}")]
+    #[error("no space remains between planes {} and {}", .0 + 1, .1 + 1)]
     NoSpace(usize, usize),
 }
 
 /// A tile that is not before all planes.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
-#[error("tile {tile} reaches {depth} behind plane {plane}, must be before it")]
+#[error("tile {tile} reaches {depth} into the iron of plane {}, must be before it", plane + 1)]
 pub struct TileBehindPlane {
     /// Index of the tile.
     pub tile: usize,
@@ -111,12 +111,11 @@ impl IronPlanes {
         self.planes.iter().position(|plane| plane.distance(point) <= 0.0)
     }
 
-    /// The images of tiles, whose field adds to theirs. Images in two planes have images again; the
-    /// series ends where the omitted images have less than 1e-8 T, or after 128 reflections.
+    /// Checks that tiles are before all planes, up to round-off.
     ///
     /// # Errors
-    /// The first tile that is not before all planes.
-    pub fn images(&self, tiles: &[Tile]) -> Result<TileImages, TileBehindPlane> {
+    /// The first tile that is not.
+    pub fn check(&self, tiles: &[Tile]) -> Result<(), TileBehindPlane> {
         for (number, plane) in self.planes.iter().enumerate() {
             for (index, tile) in tiles.iter().enumerate() {
                 let corners = tile.corners_mm();
@@ -128,18 +127,36 @@ impl IronPlanes {
                 }
             }
         }
-        let mut images = TileImages::default();
-        let reflections = match self.planes[..] {
-            [] => 0,
-            [_] => 1,
-            _ => {
-                let omitted = OmittedImages::new(&self.planes[0], &self.planes[1], tiles);
-                let is_enough = |reflections: &u32| omitted.bound_t(*reflections) <= NEGLIGIBLE_T;
-                let reflections = (2..MOST_REFLECTIONS).find(is_enough).unwrap_or(MOST_REFLECTIONS);
-                images.truncation_error_t = omitted.bound_t(reflections);
-                reflections
-            }
+        Ok(())
+    }
+
+    /// Number of reflections of the images of tiles, and the largest flux density of all others.
+    fn series(&self, tiles: &[Tile]) -> (u32, f64) {
+        let (one, other) = match &self.planes[..] {
+            [] => return (0, 0.0),
+            [_] => return (1, 0.0),
+            [one, other, ..] => (one, other),
         };
+        let omitted = OmittedImages::new(one, other, tiles);
+        let is_enough = |reflections: &u32| omitted.bound_t(*reflections) <= NEGLIGIBLE_T;
+        let reflections = (2..MOST_REFLECTIONS).find(is_enough).unwrap_or(MOST_REFLECTIONS);
+        (reflections, omitted.bound_t(reflections))
+    }
+
+    /// [`TileImages::truncation_error_t`], without making the images.
+    pub fn truncation_error_t(&self, tiles: &[Tile]) -> f64 {
+        self.series(tiles).1
+    }
+
+    /// The images of tiles, whose field adds to theirs. Images in two planes have images again; the
+    /// series ends where the omitted images have less than 1e-8 T, or after 128 reflections.
+    ///
+    /// # Errors
+    /// As [`IronPlanes::check`].
+    pub fn images(&self, tiles: &[Tile]) -> Result<TileImages, TileBehindPlane> {
+        self.check(tiles)?;
+        let (reflections, truncation_error_t) = self.series(tiles);
+        let mut images = TileImages { truncation_error_t, ..TileImages::default() };
         for first in 0..self.planes.len() {
             let mut last = tiles.to_vec();
             for reflection in 0..reflections as usize {
@@ -186,11 +203,11 @@ impl OmittedImages {
     /// Upper bound of the flux density of all images after more than so many reflections, at least
     /// 2, anywhere between the planes.
     ///
-    /// Images after k reflections are (k - 1) gaps or more from every point between the planes. At a
-    /// distance r their field is at most that of their dipole at the centre of the film, |sum of J V|
-    /// / (2 pi r^3), and the change of the fields of dipoles that are displaced by the reach of the
-    /// film, sum of |J| V 3 reach / (2 pi r^4). Sums over k are below integrals, and below geometric
-    /// series.
+    /// Images after k reflections are (k - 1) gaps or more from every point between the planes. At
+    /// a distance r their field is at most that of their dipole at the centre of the film, |sum of
+    /// J V| / (2 pi r^3), and the change of the fields of dipoles that are displaced by the reach
+    /// of the film, sum of |J| V 3 reach / (2 pi r^4). Sums over k are below integrals, and below
+    /// geometric series.
     fn bound_t(&self, reflections: u32) -> f64 {
         let k = f64::from(reflections);
         let [a, b] = self.factors;

@@ -80,7 +80,7 @@ impl fmt::Display for PointErrorCause {
                  take a larger tolerance, or one in tesla"
             ),
             PointErrorCause::InIron { plane } => {
-                write!(f, "the point is on or behind plane {plane}, in iron, whose inner field is not computed")
+                write!(f, "the point is on or behind plane {}, in iron, whose inner field is not computed", plane + 1)
             }
         }
     }

@@ -99,17 +99,24 @@ impl Film {
     /// The film whose tiles have the polarization that an earlier film found, see [`Film::recoil`].
     /// Layouts of both must have the same tiles and material; other tables may differ. Nothing is
     /// solved again.
+    ///
+    /// # Panics
+    /// If a tile is not before the planes of iron, which [`Layout::checked`] refuses.
     pub fn with_recoil(layout: impl Into<Arc<Layout>>, recoil: Option<FilmRecoil>) -> Film {
         let layout = layout.into();
         let scene = match &recoil {
             Some(recoil) => Scene::of_cells(recoil.magnetization.cells(), recoil.magnetization.owners()),
             None => Scene::new(&layout.bare_tiles()),
         };
+        let scene = scene.with_planes(&layout.iron).expect("a checked layout has all tiles before its planes");
         Film { layout, scene: Arc::new(scene), recoil, volume_field_t: Arc::default(), progress: None }
     }
 
     /// The film whose tiles keep the polarization of the layout, whatever their recoil
     /// permeability.
+    ///
+    /// # Panics
+    /// As [`Film::with_recoil`].
     pub fn rigid(layout: impl Into<Arc<Layout>>) -> Film {
         Film::with_recoil(layout, None)
     }
@@ -187,10 +194,16 @@ impl Film {
     /// of the susceptibility times the errors.
     ///
     /// # Errors
-    /// If the layout states no errors.
+    /// If the layout states no errors, or has iron.
     pub fn real_film(&self) -> Result<RealFilm, FilmError> {
+        self.without_iron("films as made are computed")?;
         let tolerance = self.layout.tolerance.as_ref().ok_or(FilmError::Missing("tolerance"))?;
         Ok(self.weakened(RealFilm::new(&self.layout.bare_tiles(), tolerance)).with_head(self.head().cloned()))
+    }
+
+    /// Refuses work that does not take iron into account, in words such as "forces are computed".
+    pub(crate) fn without_iron(&self, what: &'static str) -> Result<(), FilmError> {
+        if self.layout.iron.is_empty() { Ok(()) } else { Err(FilmError::Iron(what)) }
     }
 
     /// A film with other tiles at the places of this film. Its tiles weaken and turn as the tiles

@@ -27,6 +27,9 @@ pub enum FilmError {
     /// The layout has a head, and this needs one sensor.
     #[error("{0}: leave out head or [[sensor.element]] of [sensor]")]
     Head(&'static str),
+    /// The layout has flat iron, and this does not take it into account.
+    #[error("{0} without the field of iron: leave out [[plane]]")]
+    Iron(&'static str),
     /// The layout has one sensor, and this needs a head.
     #[error("readings of several sensors need head or [[sensor.element]] in [sensor]")]
     NoHead,

@@ -102,6 +102,9 @@ impl FilmRecoil {
         if !layout.has_recoil() {
             return Ok(None);
         }
+        if !layout.iron.is_empty() {
+            return Err(FilmError::Iron("recoil is computed"));
+        }
         let tiles = recoil_tiles(layout, None);
         let failed = |error| FilmError::from_recoil(error, layout);
         let points = points(layout);

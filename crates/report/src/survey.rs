@@ -137,7 +137,7 @@ pub(crate) fn as_vector(parameters: Option<Parameters>) -> DVec3 {
 /// fastest.
 pub(crate) struct GridField {
     pub(crate) grid: Grid,
-    /// B in tesla; NaN where it is unbounded. Components that are round-off are 0.
+    /// B in tesla; NaN where it is unbounded, and in iron. Components that are round-off are 0.
     pub(crate) field_t: Vec<DVec3>,
     /// Components of B up to this are round-off, in tesla.
     round_off_t: Vec<f64>,
@@ -151,7 +151,8 @@ impl GridField {
         } else if let Err(PointErrors(mut errors)) =
             film.scene().field_on_grid_into(Quantity::FluxDensity, &grid, &mut field_t)
         {
-            errors.retain(|error| !matches!(error.cause, PointErrorCause::Unbounded { .. }));
+            let is_blank = |cause| matches!(cause, PointErrorCause::Unbounded { .. } | PointErrorCause::InIron { .. });
+            errors.retain(|error| !is_blank(error.cause));
             if !errors.is_empty() {
                 return Err(FilmError::Points(PointErrors(errors)));
             }

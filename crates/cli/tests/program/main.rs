@@ -27,6 +27,8 @@ mod help;
 mod hints;
 mod hostile;
 mod import;
+/// Layouts with flat iron.
+mod iron;
 mod measured_files;
 mod own_files;
 mod point_files;

@@ -70,6 +70,9 @@ impl<'a> DesignProblem<'a> {
     pub(crate) fn of(layout: Cow<'a, Layout>, brief: Brief) -> Result<DesignProblem<'a>, DesignError> {
         let ideal = layout.ideal.ok_or(DesignError::Missing(NeededTable::Ideal))?;
         let volume = layout.volume.ok_or(DesignError::Missing(NeededTable::Volume))?;
+        if !layout.iron.is_empty() {
+            return Err(DesignError::Iron);
+        }
         let tiles = layout.bare_tiles();
         let named = |indices: Vec<usize>| indices.into_iter().map(|i| layout.tiles[i].name.clone()).collect();
         let moves = [Variable::Size, Variable::Position, Variable::Cut].into_iter().any(|moved| brief.varies(moved));

@@ -13,6 +13,7 @@ use crate::ideal::IdealTable;
 use crate::layout::Layout;
 use crate::limits::FORMAT;
 use crate::material::MaterialTable;
+use crate::plane::PlaneTable;
 use crate::sensor::SensorTable;
 use crate::tile::lattice::LatticeTable;
 use crate::tile::single::{KindTable, TileTable};
@@ -72,6 +73,9 @@ pub(crate) struct LayoutFile {
     sensor: Option<SensorTable>,
     /// The elastic layer between film and sensor.
     elastomer: Option<Elastomer>,
+    /// Flat iron near the film.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    plane: Vec<PlaneTable>,
     /// The material of the tiles.
     material: Option<MaterialTable>,
     /// Sizes and strengths by name, shared by all tiles that give this name as their kind.
@@ -138,6 +142,7 @@ impl Layout {
             tolerance: self.tolerance.as_ref().map(|tolerance| ToleranceTable::of(tolerance, names)),
             sensor: self.sensor.as_ref().map(Into::into),
             elastomer: self.elastomer,
+            plane: self.iron.planes().iter().map(Into::into).collect(),
             material: MaterialTable::of(&self.material),
             ..LayoutFile::default()
         }

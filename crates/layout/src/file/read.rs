@@ -23,6 +23,7 @@ use crate::layout::{Layout, NamedTile, SourceFile};
 use crate::limits::{FORMAT, MAX_FILE_BYTES};
 use crate::names::{check_name, shown};
 use crate::places::Place;
+use crate::plane::PlaneTable;
 use crate::tables_present::TablesPresent;
 use crate::tile::{FileTiles, angles, overlap};
 use crate::tolerance::WholeLayout;
@@ -201,6 +202,7 @@ fn resolve(file: LayoutFile, place: &Place, text: &str, source: &Source) -> Resu
     let material = material.unwrap_or_default();
     let before_tiles = faults.count();
     let FileTiles { tiles, entries } = FileTiles::resolve(&file.kind, &file.tile, &file.lattice, place, &mut faults);
+    let iron = PlaneTable::resolve(&file.plane, &tiles, place.key("plane"), &mut faults);
     let tolerance = file.tolerance.filter(|_| !source.is_neighbour).and_then(|table| {
         let is_complete = faults.count() == before_tiles;
         let kinds = file.kind.keys().collect();
@@ -229,6 +231,7 @@ fn resolve(file: LayoutFile, place: &Place, text: &str, source: &Source) -> Resu
         tolerance,
         sensor,
         elastomer,
+        iron,
         material,
         history: file.history,
         overlap_mm,

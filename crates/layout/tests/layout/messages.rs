@@ -37,7 +37,7 @@ t.toml: TOML parse error at line 9, column 2
 9 | [volum]
   |  ^^^^^
 unknown field `volum`, expected one of `description`, `design`, `elastomer`, `expect`, `format`, `history`, `ideal`, \
-                  `kind`, `lattice`, `material`, `name`, `overlap_mm`, `sensor`, `tile`, `tolerance`, `volume`
+                  `kind`, `lattice`, `material`, `name`, `overlap_mm`, `plane`, `sensor`, `tile`, `tolerance`, `volume`
 did you mean `volume`?";
     assert_eq!(message(&text), wanted);
 }

@@ -88,6 +88,7 @@ impl Film {
         settings: &AssignmentSettings,
         errors: Option<MeasurementErrors>,
     ) -> Result<FilmAssignment, FilmError> {
+        self.without_iron("tiles are assigned")?;
         let (layout, ideal) = (self.layout(), self.ideal()?);
         let bytes_per_point = BYTES_PER_POINT
             + BYTES_PER_TILE * layout.tiles.len() as f64

@@ -56,6 +56,9 @@ impl Film {
         seed: Option<u64>,
         real: Option<&Scene>,
     ) -> Result<FilmExperiments, FilmError> {
+        if real.is_some() {
+            self.without_iron("deformed films are read")?;
+        }
         let volume = self.volume_for(LOCATOR_BYTES_PER_POINT)?;
         let (grid, reference) = (volume.grid, volume.reference_mm);
         let most = (grid.upper().max(reference) - grid.lower().min(reference)) / step_mm;

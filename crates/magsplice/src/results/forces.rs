@@ -150,6 +150,7 @@ impl Film {
     /// Tiles with a recoil permeability are divided into 27 cells or more, with the polarization
     /// that they have in the whole film, also while the film is placed.
     fn pair_forces(&self, turned_error: f64) -> Result<(FilmForces, Option<ForceChange>), FilmError> {
+        self.without_iron("forces are computed")?;
         let layout = self.layout();
         let tiles = layout.bare_tiles();
         let pairs = tiles.len().min(FilmForces::MOST_TILES) as f64;
