@@ -43,6 +43,8 @@ mod sensor_fault;
 mod signed_axes;
 /// Where a fit starts.
 mod starts;
+/// An axis of a sensor that repeats its reading.
+mod stuck_axis;
 /// The tile that most likely has another strength.
 mod suspect;
 /// The search for a turn of a film.
@@ -66,6 +68,7 @@ pub use positions::ScanPositions;
 pub use sample_scan::{SampleScan, SampleScanError};
 pub use sensor_fault::SensorFault;
 pub use signed_axes::SignedAxes;
+pub use stuck_axis::StuckAxis;
 pub use suspect::suspect_strength;
 pub use turn::film_turn;
 pub use turned_film::FilmTurn;

@@ -527,7 +527,7 @@ fn columns_that_no_scan_has_are_named() {
     let reading_t = stuck[half][4];
     stuck[half..].iter_mut().for_each(|line| line[4] = reading_t);
     write(&sandbox, "x_mm,y_mm,z_mm,bx_t,by_t,bz_t", &stuck);
-    let cause = format!("mT in {} successive readings, from (", count - half);
+    let cause = format!("mT in {} successive readings, from reading {} on", count - half, half + 1);
     sandbox.run(&["scan", &film, "scan.csv"]).refuses(&cause);
     sandbox.run(&["diagnose", &film, "--scan", "scan.csv", "--noise", "10uT"]).refuses(&cause);
     // On the diagonal bx and by are equal, and the film has no other reading there.

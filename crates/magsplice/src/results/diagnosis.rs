@@ -7,6 +7,7 @@ use magsplice_layout::{FilmTolerance, Layout, Preset};
 use magsplice_magnet::{Quantity, Tile, TileError};
 use magsplice_scan::{
     Candidate, ColumnFault, DetectedError, Diagnosis, ErrorKind, Exclusion, FreeParameters, NarrowedError, ScanError,
+    StuckAxis,
 };
 use magsplice_sensor::Noise;
 use serde::Serialize;
@@ -186,9 +187,9 @@ impl Film {
         if !readings_t.is_empty() && unusable.iter().all(Option::is_some) {
             return Err(FilmError::Scan(ScanError::TooFew { readings: 0, excluded: unusable.len(), needed: 1 }));
         }
-        // No search explains them, and it takes minutes.
-        if let Some(fault @ ColumnFault::StuckField { .. }) = ColumnFault::among(points_mm, &usable_t) {
-            return Err(FilmError::Scan(ScanError::Columns(fault)));
+        // No search explains them, and it takes minutes. Readings without noise may be 0 on a line.
+        if let Some(stuck) = StuckAxis::among(&usable_t).filter(|stuck| stuck.reading_t != 0.0) {
+            return Err(FilmError::Scan(ScanError::Columns(ColumnFault::Stuck(stuck))));
         }
         let field_t =
             usable_t.iter().map(|usable_t| element.rotation * ((*usable_t - element.offset_t) / element.gain));

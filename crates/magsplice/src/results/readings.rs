@@ -4,7 +4,7 @@ use glam::DVec3;
 use magsplice_decouple::{Branch, Parameters};
 use magsplice_layout::Elastomer;
 use magsplice_magnet::Grid;
-use magsplice_scan::{FLUX_DENSITIES, SignedAxes};
+use magsplice_scan::{FLUX_DENSITIES, SignedAxes, StuckAxis};
 use magsplice_sensor::{LocateError, Located, Locator, Noise, SensedField, mean_at_rest};
 use serde::Serialize;
 
@@ -61,7 +61,8 @@ pub struct FilmReadings {
     /// The elastic layer, if the layout has one.
     #[serde(skip)]
     pub elastomer: Option<Elastomer>,
-    /// Other axes or another unit with which readings without a position in the volume have one.
+    /// A stuck axis, or other axes or another unit with which readings without a position in the
+    /// volume have one.
     #[serde(skip)]
     pub hint: Option<String>,
     /// What the readings of all sensors of a head tell; `None` for weighted sums and one sensor.
@@ -207,10 +208,14 @@ impl Film {
                 *closed_form_mm = DVec3::NAN;
             }
         }
+        let is_saturated = |reading_t: &DVec3| sensed.sensor().is_saturated(*reading_t);
+        let within_range = readings_t.iter().map(|of| if is_saturated(of) { DVec3::NAN } else { *of });
+        let stuck = StuckAxis::among(&within_range.collect::<Vec<_>>()).map(|stuck| stuck.to_string());
+        let zero_t = matches!(at_rest, AtRest::Zero(_)).then_some(constant_t);
         Ok(FilmReadings {
             source: Source::of(self),
             readings: readings_t.len(),
-            hint: hint(&locator, readings_t, &found, matches!(at_rest, AtRest::Zero(_)).then_some(constant_t)),
+            hint: stuck.or_else(|| hint(&locator, readings_t, &found, zero_t)),
             found,
             closed_form_mm,
             origin_mm,
