@@ -124,7 +124,21 @@ impl<'a> Placement<'a> {
         if !faults.is_empty() {
             return Err(faults);
         }
-        let position = placed.position_mm.unwrap_or(self.film[place].position());
+        let ordered = &self.film[place];
+        let position = placed.position_mm.unwrap_or(ordered.position());
+        let away = (ordered.rotation().inverse() * (position - ordered.position())).abs();
+        if position.is_finite() && !away.cmple(0.5 * ordered.size()).all() {
+            let shown = |at: DVec3| {
+                let [x, y, z] = at.to_array().map(|mm| (1e6 * mm).round() / 1e6);
+                format!("({x}, {y}, {z}) mm")
+            };
+            return Err(vec![format!(
+                "the tile at {} is not at place \"{place_shown}\", whose centre is at {}: it must be within half a side of \
+                 it along each side",
+                shown(position),
+                shown(ordered.position())
+            )]);
+        }
         let (orientation, turn_deg) =
             self.orientation(group, place, placed.up, placed.mark_deg).map_err(|fault| vec![fault])?;
         let cut = &self.groups[group].tiles[index];

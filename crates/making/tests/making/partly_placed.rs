@@ -135,6 +135,11 @@ fn every_rule_that_a_tile_breaks_is_named_and_the_film_stays_as_it_was() {
         (at("west", "s1", "+z", 226.0), &["with +z up and its mark at 226 deg, its polarization does not fit"]),
         (at("west", "s1", "+x", 180.0), &["with +x up"]),
         (at("west", "s1", "up", 180.0), &["with up up"]),
+        // A position in centimetres.
+        (
+            FixedTile { position_mm: Some(DVec3::new(-0.5, 0.0, 0.05)), ..at("west", "s1", "+z", 180.0) },
+            &["the tile at (-0.5, 0, 0.05) mm is not at place \"west\", whose centre is at"],
+        ),
         (FixedTile { position_mm: Some(DVec3::NAN), ..at("west", "s1", "+z", 180.0) }, &["position"]),
     ] {
         let faults = placement.place(&tile).expect_err("a bad tile");
