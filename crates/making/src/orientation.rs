@@ -3,6 +3,10 @@
 use glam::{DMat3, DVec3};
 use magsplice_magnet::Tile;
 
+/// Largest relative difference of sides and directions of one sort of pieces, which agree to nine
+/// digits.
+const ALIKE: f64 = 1e-8;
+
 /// One of the 24 rotations that map axes onto axes. It maps vectors from the frame of a measured
 /// tile to the frame of its place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -29,6 +33,18 @@ impl Orientation {
             .collect();
         all.sort_by_key(|orientation| !orientation.keeps_upper_side());
         all
+    }
+
+    /// The first orientation in which a piece with this unit direction of the polarization and
+    /// these sides is the piece of a place. `None` if no orientation gives both, such as for a
+    /// reversed polarization along no axis of symmetry.
+    pub fn between(direction: DVec3, sides: DVec3, place: &Tile) -> Option<Orientation> {
+        let at_place = place.polarization_t().normalize_or_zero();
+        let is_alike = |a: DVec3, b: DVec3| a.distance(b) <= ALIKE * b.length();
+        let fits = |orientation: &Orientation| {
+            is_alike(orientation.sides(sides), place.size()) && is_alike(orientation.apply(direction), at_place)
+        };
+        Orientation::all().into_iter().find(fits)
     }
 
     /// Maps a vector of the measured tile to the frame of its place.
@@ -108,6 +124,20 @@ mod tests {
             assert_eq!(turned, one.apply(DVec3::Z));
         }
         assert_eq!(all.iter().filter(|orientation| orientation.keeps_upper_side()).count(), 4);
+    }
+
+    /// A piece with J at 45 degrees is laid at its place in the orientation of the place.
+    #[test]
+    fn a_piece_is_turned_to_its_place() {
+        let sides = DVec3::new(3.0, 3.0, 1.0);
+        let diagonal = DVec3::new(1.0, 1.0, 0.0).normalize();
+        let place = |j_t| Tile::new(DVec3::ZERO, sides, j_t).unwrap();
+        let turned = |j_t| Orientation::between(diagonal, sides, &place(j_t)).map(|found| found.mark_deg(&place(j_t)));
+        assert_eq!(turned(DVec3::new(0.2, 0.2, 0.0)), Some(0.0));
+        assert_eq!(turned(DVec3::new(-0.2, -0.2, 0.0)), Some(180.0));
+        assert_eq!(turned(DVec3::new(-0.2, 0.2, 0.0)), Some(90.0));
+        assert_eq!(turned(DVec3::X), None);
+        assert_eq!(Orientation::between(diagonal, DVec3::new(3.0, 2.0, 1.0), &place(DVec3::X)), None);
     }
 
     /// The upward side and the direction of the mark distinguish all orientations.

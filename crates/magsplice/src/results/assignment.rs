@@ -1,6 +1,6 @@
 //! Which measured tile goes to which place of a film, and which way round.
 
-use magsplice_layout::{Distribution, FilmTolerance, Layout, MAX_NAME_BYTES};
+use magsplice_layout::{Distribution, FilmTolerance, Layout, MAX_NAME_BYTES, Part};
 use magsplice_magnet::Tile;
 use magsplice_making::{
     AssignmentError, AssignmentProblem, AssignmentSettings, MeasurementErrors, Orientation, PartlyPlaced, PlanRow,
@@ -121,9 +121,17 @@ impl Film {
             let place = &layout.tiles[placed.place].name;
             (placed.place, PlanRow::new(place, &tile.name, placed.orientation, &tiles[placed.place], false))
         }));
+        let parts = layout.parts();
         plan.extend(shims.iter().map(|&shim| {
-            let place = &layout.tiles[shim].name;
-            (shim, PlanRow::new(place, PlanRow::SHIM, Orientation::AS_MEASURED, &tiles[shim], false))
+            let (place, made) = (&layout.tiles[shim].name, &tiles[shim]);
+            let part = parts.iter().find(|part| part.tiles.contains(&shim));
+            let as_made = |part: &Part| {
+                [made, &partly.film[shim]]
+                    .into_iter()
+                    .find_map(|tile| Orientation::between(part.direction, part.size_mm, tile))
+            };
+            let orientation = part.and_then(as_made).unwrap_or(Orientation::AS_MEASURED);
+            (shim, PlanRow::new(place, PlanRow::SHIM, orientation, made, false))
         }));
         plan.sort_by_key(|(place, _)| *place);
         let measured_tiles = partly.plan.len() + partly.groups.iter().map(|group| group.tiles.len()).sum::<usize>();
