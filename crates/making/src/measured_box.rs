@@ -35,7 +35,8 @@ pub struct MeasuredTile<'a> {
     /// The part: its number, from 1, in the order of [`Layout::parts`], or the name of a tile or
     /// kind of this part alone. `None` if the layout has one part, or the sides identify it.
     pub part: Option<&'a str>,
-    /// The sides in the order of the part's sides. `None` if they were not measured.
+    /// The sides in the order of the part's sides, NaN for one that was not measured. `None` if
+    /// none was.
     pub size_mm: Option<DVec3>,
     /// The magnetization.
     pub magnet: MeasuredMagnet,
@@ -108,7 +109,8 @@ impl<'a> MeasuredBox<'a> {
             }
         };
         let part = &self.parts[number];
-        let size_mm = tile.size_mm.unwrap_or(part.size_mm);
+        let measured = |size_mm: DVec3| DVec3::select(size_mm.is_nan_mask(), part.size_mm, size_mm);
+        let size_mm = tile.size_mm.map_or(part.size_mm, measured);
         for axis in 0..3 {
             let (size, ordered) = (size_mm[axis], part.size_mm[axis]);
             if !(LEAST_FACTOR..=MOST_FACTOR).contains(&(size / ordered)) {
@@ -193,13 +195,18 @@ impl<'a> MeasuredBox<'a> {
         let Some(size_mm) = tile.size_mm else {
             return Err(format!("has no part, must have the number of one in a column part, 1 to {count}, or sizes"));
         };
+        let known = |size_mm: DVec3| DVec3::select(size_mm.is_nan_mask(), DVec3::ZERO, size_mm);
         // The nearest part, if no other part is nearly as near. Sizes of parts differ by more than
         // the errors of cuts.
-        let mut by_distance: Vec<(f64, usize)> =
-            self.parts.iter().enumerate().map(|(number, part)| ((part.size_mm - size_mm).length(), number)).collect();
+        let mut by_distance: Vec<(f64, usize)> = self
+            .parts
+            .iter()
+            .enumerate()
+            .map(|(number, part)| (known(part.size_mm - size_mm).length(), number))
+            .collect();
         by_distance.sort_by(|a, b| a.0.total_cmp(&b.0));
         match by_distance[..] {
-            [(near, number), (next, _), ..] if next > 2.0 * near && near < 0.25 * size_mm.length() => Ok(number),
+            [(near, number), (next, _), ..] if next > 2.0 * near && near < 0.25 * known(size_mm).length() => Ok(number),
             _ => {
                 let DVec3 { x, y, z } = size_mm;
                 Err(format!("its sizes ({x}, {y}, {z}) mm fit no single part: give the part in a column part"))

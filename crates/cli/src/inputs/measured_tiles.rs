@@ -29,7 +29,7 @@ pub(crate) struct MeasuredTiles {
 struct Columns {
     tile: Column,
     part: Option<Column>,
-    size: Option<[Column; 3]>,
+    size: [Option<Column>; 3],
     magnet: MagnetColumns,
 }
 
@@ -61,8 +61,8 @@ pub(crate) fn read(path: &Path, layout: &Layout, tell: &dyn Fn(&str)) -> Result<
 fn columns(finder: &mut Finder, parts: usize) -> Option<Columns> {
     let tile = finder.required(&TILE).map(|[column]| column);
     let part = finder.column(&text("part", &["part", "kind"]));
-    let size = finder.group(&SIZE);
-    if part.is_none() && size.is_none() && parts > 1 {
+    let size = finder.partial_group(&SIZE);
+    if part.is_none() && size.iter().all(Option::is_none) && parts > 1 {
         finder.fault(format!(
             "no column part with the part of each tile, 1 to {parts} as `magsplice tiles` lists them, or columns of sizes"
         ));
@@ -79,8 +79,7 @@ fn add(measured: &mut MeasuredBox, name: &str, columns: &Columns, cells: &mut Ce
         return;
     }
     // Sides that are not given were not measured.
-    let sides = columns.size.filter(|sides| !cells.are_all_missing(sides));
-    let size_mm = sides.and_then(|sides| cells.vector(&sides));
+    let size_mm = cells.measured(&columns.size).filter(|size_mm| size_mm.to_array().iter().any(|side| !side.is_nan()));
     let magnet = columns.magnet.of_row(cells);
     if let Some(magnet) = magnet.filter(|_| cells.faults.is_empty())
         && let Err(found) = measured.add(&MeasuredTile { name, part: part.as_deref(), size_mm, magnet })

@@ -111,6 +111,8 @@ fn part_is_told_by_number_name_kind_or_sizes() {
     for size_mm in [DVec3::new(3.02, 1.49, 1.01), DVec3::new(3.2, 1.4, 0.9)] {
         assert_eq!(part_of(&sized(size_mm)), of_tile("strip"));
     }
+    // A gauge for two sides.
+    assert_eq!(part_of(&sized(DVec3::new(3.02, 1.49, f64::NAN))), of_tile("strip"));
     // Squares belong to two parts, one strip is between two parts, and two tiles are far from all.
     for size_mm in
         [DVec3::new(3.0, 3.0, 1.0), DVec3::new(3.0, 2.2, 1.0), DVec3::new(9.0, 1.5, 1.0), DVec3::new(3.0, 0.2, 1.0)]
@@ -146,6 +148,7 @@ fn measured_numbers_are_near_what_was_ordered() {
     for good in [1.51, 5.99] {
         assert!(part_of(&sized(good)).is_some(), "{good}");
     }
+    assert!(part_of(&sized(f64::NAN)).is_some(), "a side that was not measured");
     for bad in [1.49, 6.01] {
         assert_refused(&sized(bad), &[&format!("the first side is {bad} mm, must be within 0.5 to 2 times the 3 mm")]);
     }
