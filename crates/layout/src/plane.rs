@@ -29,7 +29,7 @@ pub(crate) struct PlaneTable {
 const PERMEABILITY: Rule = Rule { is_kept: |mu_r| mu_r >= 1.0, words: "must be at least 1, or inf" };
 
 impl PlaneTable {
-    /// The planes of a layout, or none after adding their faults. `tiles` are all tiles of the layout.
+    /// The planes of a layout, or none after adding their faults. `tiles` are all its tiles.
     pub(crate) fn resolve(
         tables: &[PlaneTable],
         tiles: &[NamedTile],

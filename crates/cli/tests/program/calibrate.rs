@@ -226,3 +226,52 @@ fn negative_and_missing_stiffnesses_are_named() {
     assert_eq!(alone["by_field"]["z"], found["by_field"]["z"]);
     assert_eq!(alone["excluded"]["incomplete"], serde_json::json!([]));
 }
+
+/// Forces that are late, a sensor that is stuck, and an axis along which nothing moves, in a log of
+/// a smooth path with noise.
+#[test]
+fn logs_that_are_not_in_step_are_named() {
+    let sandbox = Sandbox::new();
+    let readings = displaced(&sandbox);
+    let film = sandbox.published_with("");
+    let remarks = |change: &dyn Fn(usize, &mut [f64; 3], &mut [f64; 3])| {
+        let mut random = Random(3);
+        let mut text = "fx_n,fy_n,fz_n,bx_t,by_t,bz_t\n".to_owned();
+        for (row, (moved, field)) in readings.iter().enumerate() {
+            let mut force = [0, 1, 2].map(|axis| STIFFNESS_N_PER_MM[axis] * moved[axis] + 0.01 * random.normal());
+            let mut field = field.map(|b| b + 1e-6 * random.normal());
+            change(row, &mut force, &mut field);
+            let _ = writeln!(
+                text,
+                "{:?},{:?},{:?},{:?},{:?},{:?}",
+                force[0], force[1], force[2], field[0], field[1], field[2]
+            );
+        }
+        sandbox.write("log.csv", &text);
+        sandbox.run(&["calibrate", &film, "log.csv"]).stderr
+    };
+    let as_they_are = remarks(&|_, _, _| ());
+    assert!(as_they_are.lines().all(|line| line.contains("is outside the volume")), "{as_they_are}");
+    let late = remarks(&|row, force, _| {
+        let moved = readings[row.saturating_sub(3)].0;
+        *force = [0, 1, 2].map(|axis| STIFFNESS_N_PER_MM[axis] * moved[axis]);
+    });
+    assert!(late.contains("the forces fit the readings 3 rows before far better"), "{late}");
+    let early = remarks(&|row, force, _| {
+        let moved = readings[(row + 1).min(29)].0;
+        *force = [0, 1, 2].map(|axis| STIFFNESS_N_PER_MM[axis] * moved[axis]);
+    });
+    assert!(early.contains("the forces fit the readings 1 row after far better"), "{early}");
+    let stuck = remarks(&|row, _, field| {
+        if row >= 14 {
+            field[1] = 5e-5;
+        }
+    });
+    assert!(stuck.contains("by is 0.05 mT in 16 successive readings, from reading 15 on"), "{stuck}");
+    let mut random = Random(5);
+    let unrelated: Vec<f64> = readings.iter().map(|_| random.normal()).collect();
+    let unrelated = remarks(&|row, force, _| force[1] = unrelated[row]);
+    assert!(unrelated.contains("the stiffness along y is 0 within its error"), "{unrelated}");
+    let normal_only = remarks(&|_, force, _| (force[0], force[1]) = (f64::NAN, f64::NAN));
+    assert!(!normal_only.contains("no stiffness along x"), "{normal_only}");
+}

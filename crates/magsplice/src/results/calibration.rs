@@ -34,6 +34,22 @@ const LEAST_MOTION: f64 = 0.2;
 /// equal shares: far above round-off and the noise of a sensor, far below a measured correlation.
 const RIDGE: f64 = 1e-3;
 
+/// Most rows by which forces are tried to be late or early against the readings.
+const MOST_SHIFT: i64 = 10;
+
+/// Least number of pairs for which another shift of the rows is no accident.
+const LEAST_SHIFTED: usize = 12;
+
+/// Unexplained share of the forces over that with the rows as they are, below which a shift of the
+/// rows is named: the residual is half.
+const SHIFTED: f64 = 0.25;
+
+/// Unexplained share of the forces up to which no shift is looked for: a residual of a tenth.
+const GOOD: f64 = 0.01;
+
+/// The reason for no stiffness along an axis without a column of forces.
+const NO_FORCES: &str = "no force along this axis";
+
 /// The stiffness along x, y, z, in N/mm and N. An axis without forces or without displacements has
 /// none.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -54,6 +70,9 @@ pub struct FilmCalibration {
     /// Axes whose force follows displacements along other axes, if the film moves along all.
     #[serde(skip)]
     pub exchanged: Vec<Axis>,
+    /// Rows by which the forces are later than the readings, if they fit them far better so.
+    #[serde(skip)]
+    pub late_rows: Option<i64>,
     /// Readings that the fit of an axis does not use, though it has other forces.
     pub excluded: ExcludedReadings,
     /// Other axes or another unit with which readings without a position have one.
@@ -107,7 +126,12 @@ impl FilmReadings {
             return Err(FilmError::Stiffness { axis, error, hint: self.hint.clone() });
         }
         let per_axis = |[x, y, z]: [Result<Stiffness, StiffnessError>; 3]| PerAxis { x: x.ok(), y: y.ok(), z: z.ok() };
-        let [x, y, z] = by_field.map(|of_axis| of_axis.err().map(|error| error.to_string()));
+        let displacements_mm = self.displacement_mm();
+        let reason = |axis: usize| {
+            let error = by_field[axis].err()?;
+            Some(if is_measured[axis] { error.to_string() } else { NO_FORCES.to_owned() })
+        };
+        let [x, y, z] = [0, 1, 2].map(reason);
         Ok(FilmCalibration {
             source: self.source.clone(),
             readings: forces_n.len(),
@@ -115,7 +139,8 @@ impl FilmReadings {
             by_field: per_axis(by_field),
             by_closed_form: by_closed_form.map(per_axis),
             without_stiffness: PerAxis { x, y, z },
-            exchanged: exchanged(forces_n, &self.displacement_mm()),
+            exchanged: exchanged(forces_n, &displacements_mm),
+            late_rows: late_rows(forces_n, &displacements_mm),
             excluded: ExcludedReadings::new(&exclusions, numbers),
             hint: self.hint.clone(),
             of_head: self.of_head.as_ref().map_or_else(Vec::new, HeadFits::remarks),
@@ -145,6 +170,41 @@ fn exchanged(forces_n: &[DVec3], displacements_mm: &[DVec3]) -> Vec<Axis> {
     Axis::ALL.into_iter().filter(is_exchanged).collect()
 }
 
+/// Rows by which forces are later than the displacements of a film, negative if earlier. `None` if
+/// no shift halves the residual of straight lines.
+fn late_rows(forces_n: &[DVec3], displacements_mm: &[DVec3]) -> Option<i64> {
+    let (rows, as_they_are) = (forces_n.len() as i64, unexplained(forces_n, displacements_mm, 0)?);
+    let of_shift = |shift: i64| Some((shift, unexplained(forces_n, displacements_mm, shift)?));
+    let tried = (-MOST_SHIFT..=MOST_SHIFT).filter(|shift| shift.abs() < rows).filter_map(of_shift);
+    let (shift, least) = tried.min_by(|a, b| a.1.total_cmp(&b.1))?;
+    (as_they_are > GOOD && least < SHIFTED * as_they_are).then_some(shift)
+}
+
+/// The share of the variation of the forces along all axes that straight lines do not explain,
+/// where each force belongs to the displacement `shift` rows before. `None` for too few pairs.
+fn unexplained(forces_n: &[DVec3], displacements_mm: &[DVec3], shift: i64) -> Option<f64> {
+    let (mut sum, mut axes) = (0.0, 0);
+    for axis in 0..3 {
+        let displacement = |row: usize| displacements_mm.get(usize::try_from(row as i64 - shift).ok()?);
+        let pair = |(row, force): (usize, &DVec3)| Some((displacement(row)?[axis], force[axis]));
+        let pairs = forces_n.iter().enumerate().filter_map(pair).filter(|(d, f)| d.is_finite() && f.is_finite());
+        let pairs: Vec<(f64, f64)> = pairs.collect();
+        if pairs.len() < LEAST_SHIFTED {
+            continue;
+        }
+        let count = pairs.len() as f64;
+        let mean = |of: &dyn Fn(&(f64, f64)) -> f64| pairs.iter().map(of).sum::<f64>() / count;
+        let (d, f) = (mean(&|pair| pair.0), mean(&|pair| pair.1));
+        let (dd, ff) = (mean(&|pair| (pair.0 - d).powi(2)), mean(&|pair| (pair.1 - f).powi(2)));
+        let df = mean(&|pair| (pair.0 - d) * (pair.1 - f));
+        if dd * ff > 0.0 {
+            sum += 1.0 - df * df / (dd * ff);
+            axes += 1;
+        }
+    }
+    (axes > 0).then(|| sum / f64::from(axes))
+}
+
 /// The error of the first axis, if all have one.
 fn first_error(axes: &[Result<Stiffness, StiffnessError>; 3]) -> Option<(Axis, StiffnessError)> {
     let errors = Axis::ALL.into_iter().zip(axes).map(|(axis, of)| of.as_ref().err().map(|error| (axis, *error)));
@@ -161,13 +221,36 @@ impl FilmCalibration {
         Axis::ALL.into_iter().filter(|axis| axes[axis.index()].as_ref().is_some_and(is_negative)).collect()
     }
 
-    /// Exchanged axes, and axes without a stiffness or with a negative one, one sentence each.
+    /// The axes whose stiffness is 0 within its error.
+    fn undetermined(&self) -> impl Iterator<Item = Axis> {
+        let axes = [self.by_field.x, self.by_field.y, self.by_field.z];
+        let has_zero = |line: &Stiffness| line.stiffness.abs() <= line.stiffness_95;
+        Axis::ALL.into_iter().filter(move |axis| axes[axis.index()].as_ref().is_some_and(has_zero))
+    }
+
+    /// Exchanged axes, rows that are shifted, and axes with no stiffness, a negative one, or one of
+    /// 0 within its error, one sentence each.
     pub fn remarks(&self) -> Vec<String> {
         let hint = self.hint.iter().cloned();
         let reasons = [&self.without_stiffness.x, &self.without_stiffness.y, &self.without_stiffness.z];
         let without = Axis::ALL.into_iter().zip(reasons);
         let without = without
-            .filter_map(|(axis, reason)| reason.as_ref().map(|reason| format!("no stiffness along {axis}: {reason}")));
+            .filter_map(|(axis, reason)| Some((axis, reason.as_ref().filter(|reason| *reason != NO_FORCES)?)))
+            .map(|(axis, reason)| format!("no stiffness along {axis}: {reason}"));
+        let undetermined = self.undetermined().map(|axis| {
+            format!(
+                "the stiffness along {axis} is 0 within its error: the film hardly moves along {axis}, or the forces are not \
+                 those of the readings"
+            )
+        });
+        let late = self.late_rows.map(|rows| {
+            let (count, when) = (rows.abs(), if rows > 0 { "before" } else { "after" });
+            let rows = if count == 1 { "row" } else { "rows" };
+            format!(
+                "the forces fit the readings {count} {rows} {when} far better than those of their own rows: forces and \
+                 readings are not in step, or the layer creeps; move the columns against each other"
+            )
+        });
         let negative = self.negative().into_iter().map(|axis| {
             format!(
                 "the stiffness along {axis} is negative: the force is positive where the film moves along -{axis}; \
@@ -192,6 +275,7 @@ impl FilmCalibration {
                 number(ratio)
             )
         });
-        hint.chain(self.of_head.iter().cloned()).chain(unit).chain(exchanged).chain(without).chain(negative).collect()
+        let of_axes = exchanged.chain(without).chain(undetermined).chain(negative);
+        hint.chain(self.of_head.iter().cloned()).chain(late).chain(unit).chain(of_axes).collect()
     }
 }
