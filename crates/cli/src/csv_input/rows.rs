@@ -174,11 +174,6 @@ impl Cells<'_> {
         columns.iter().any(|column| is_missing(self.text(*column)))
     }
 
-    /// Whether none of these cells has a measured value.
-    pub(crate) fn are_all_missing(&self, columns: &[Column]) -> bool {
-        columns.iter().all(|column| is_missing(self.text(*column)))
-    }
-
     /// Leaves the row out, for this reason.
     pub(crate) fn leave_out(&mut self, reason: impl Into<String>) {
         self.left_out = Some(reason.into());

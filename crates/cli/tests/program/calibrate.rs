@@ -234,7 +234,8 @@ fn logs_that_are_not_in_step_are_named() {
     let sandbox = Sandbox::new();
     let readings = displaced(&sandbox);
     let film = sandbox.published_with("");
-    let remarks = |change: &dyn Fn(usize, &mut [f64; 3], &mut [f64; 3])| {
+    type Change<'c> = &'c dyn Fn(usize, &mut [f64; 3], &mut [f64; 3]);
+    let remarks = |change: Change| {
         let mut random = Random(3);
         let mut text = "fx_n,fy_n,fz_n,bx_t,by_t,bz_t\n".to_owned();
         for (row, (moved, field)) in readings.iter().enumerate() {
