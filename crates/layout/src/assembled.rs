@@ -1,6 +1,6 @@
 //! Layouts whose tiles are moved, turned, selected, or joined with the tiles of another layout.
 //!
-//! Other tables are unchanged, such as the working volume, which does not move with the tiles.
+//! Planes of iron move with the tiles. Other tables are unchanged, such as the working volume.
 //! Requirements and the brief apply to the original film, and are left out.
 
 use std::collections::HashSet;
@@ -30,7 +30,8 @@ impl Layout {
     ///
     /// # Errors
     /// If a position is out of range.
-    pub fn moved(self, shift_mm: DVec3) -> Result<Layout, TileFaults> {
+    pub fn moved(mut self, shift_mm: DVec3) -> Result<Layout, TileFaults> {
+        self.iron = self.iron.after(|point| sum(point, shift_mm), |normal| normal);
         self.with_each_tile(|named| {
             let tile = named.tile;
             let moved = Tile::new(sum(tile.position(), shift_mm), tile.size(), tile.polarization_t())?;
@@ -44,13 +45,15 @@ impl Layout {
     ///
     /// # Errors
     /// If a position is out of range.
-    pub fn rotated(self, rotation: Rotation, about_mm: DVec3) -> Result<Layout, TileFaults> {
+    pub fn rotated(mut self, rotation: Rotation, about_mm: DVec3) -> Result<Layout, TileFaults> {
         let rotation = rotation.quaternion();
         let turn = quarter_turns(rotation);
+        let turned = |vector: DVec3| turn.map_or_else(|| rotation * vector, |turn| turn * vector);
+        let placed = |point: DVec3| sum(about_mm, turned(point - about_mm));
+        self.iron = self.iron.after(placed, turned);
         self.with_each_tile(|named| {
             let tile = named.tile;
-            let arm = tile.position() - about_mm;
-            let position = sum(about_mm, turn.map_or_else(|| rotation * arm, |turn| turn * arm));
+            let position = placed(tile.position());
             let (size, polarization_t, own) = match turn {
                 Some(turn) => {
                     let size = DMat3::from_cols_array(&turn.to_cols_array().map(f64::abs)) * tile.size();

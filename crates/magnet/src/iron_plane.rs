@@ -83,9 +83,9 @@ impl IronPlane {
         self.normal.dot(point - self.point)
     }
 
-    /// The same iron, moved along its normal.
-    pub fn moved(&self, distance: f64) -> IronPlane {
-        IronPlane { point: self.point + distance * self.normal, ..*self }
+    /// The same iron after a rigid motion.
+    pub(crate) fn after(&self, placed: impl Fn(DVec3) -> DVec3, turned: impl Fn(DVec3) -> DVec3) -> IronPlane {
+        IronPlane { point: placed(self.point), normal: turned(self.normal), ..*self }
     }
 
     /// The image of a tile. Its axes are those of the tile if the normal is along one of them.

@@ -105,6 +105,12 @@ impl IronPlanes {
         &self.planes
     }
 
+    /// The same planes after a rigid motion. `placed` moves points, `turned` turns directions.
+    pub fn after(&self, placed: impl Fn(DVec3) -> DVec3, turned: impl Fn(DVec3) -> DVec3) -> IronPlanes {
+        let planes = self.planes.iter().map(|plane| plane.after(&placed, &turned)).collect();
+        IronPlanes { planes }
+    }
+
     /// The plane that a point is on or behind.
     pub fn plane_before(&self, point: DVec3) -> Option<usize> {
         // NaN is behind no plane: it has its own error.
@@ -268,6 +274,18 @@ mod tests {
             let expected_t = -(j_t - 2.0 * j_t.dot(plane.normal()) * plane.normal());
             assert!((image.scene_polarization_t() - expected_t).length() < 1e-15, "{normal}");
         }
+    }
+
+    #[test]
+    fn planes_move_as_rigid_bodies() {
+        let turn = glam::DQuat::from_rotation_x(0.3);
+        let moved = |point: DVec3| DVec3::new(1.0, 0.0, 2.0) + turn * point;
+        let planes = IronPlanes::new(vec![plane(2.0, -1.0, 3.0), plane(-1.0, 1.0, 9.0)]).unwrap();
+        let after = planes.after(moved, |direction| turn * direction);
+        let image = |planes: &IronPlanes, tile: &Tile| planes.planes()[0].image(tile).unwrap().position();
+        let tile_after = Tile::new(moved(tile().position()), tile().size(), DVec3::Z).unwrap();
+        assert!(image(&after, &tile_after).distance(moved(image(&planes, &tile()))) < 1e-14);
+        assert_eq!(IronPlanes::new(after.planes().to_vec()), Ok(after));
     }
 
     #[test]

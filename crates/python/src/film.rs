@@ -197,15 +197,18 @@ impl Film {
     }
 
     /// The cuboids whose fields are added: the tiles, or their cells if they have a recoil
-    /// permeability.
+    /// permeability, and their images in iron.
     fn _blocks<'py>(&self, py: Python<'py>) -> PyResult<Blocks<'py>> {
         let tiles = self.layout.bare_tiles();
         let film = self.evaluated(py)?;
         let magnetization = film.recoil().map(|recoil| &*recoil.magnetization);
         let blocks = magnetization.map_or(&tiles[..], |of| of.cells());
+        let images = self.layout.iron.images(blocks).map_err(failed)?;
         let owner = |block: usize| magnetization.map_or(block, |of| of.owners()[block]);
-        let names = (0..blocks.len()).map(|block| self.layout.tiles[owner(block)].name.clone()).collect();
-        let [position, size, polarization_t, rotation] = cuboids(py, blocks)?;
+        let name = |block: usize| &self.layout.tiles[owner(block)].name;
+        let of_images = images.owners.iter().map(|block| format!("image of {}", name(*block)));
+        let names = (0..blocks.len()).map(|block| name(block).clone()).chain(of_images).collect();
+        let [position, size, polarization_t, rotation] = cuboids(py, &[blocks, &images.tiles].concat())?;
         Ok((names, position, size, polarization_t, rotation))
     }
 

@@ -74,6 +74,9 @@ pub(crate) fn run(args: &ExportArgs, quiet: bool) -> Result<(), Failure> {
         }
         _ => None,
     };
+    if matches!(format, ExportFormat::Magpylib) && !layout.iron.is_empty() {
+        return Err(Failure::at(path, "magpylib has no field of iron, which [[plane]] adds: leave out [[plane]]"));
+    }
     let mut output = session.output(args.output.as_deref(), None)?;
     session.progress.end();
     output.write(|w| match format {

@@ -61,6 +61,7 @@ fn work_without_iron_is_refused() {
     ] {
         sandbox.run(arguments).refuses("without the field of iron: leave out [[plane]]");
     }
+    sandbox.run(&["export", "film.toml", "--to", "magpylib"]).refuses("magpylib has no field of iron");
     let published = std::fs::read_to_string(shipped("published-film")).expect("readable");
     sandbox.write("inside.toml", &format!("{published}\n[[plane]]\npoint_mm = [0, 0, 0.5]\nnormal = [0, 0, -1]\n"));
     sandbox.run(&["check", "inside.toml"]).refuses("reaches 5.000e-1 mm into the iron, must be before it");

@@ -111,6 +111,18 @@ fn turned_films_do_not_overlap() {
     }
 }
 
+/// Iron moves and turns with the tiles: the film keeps its field.
+#[test]
+fn iron_moves_with_the_tiles() {
+    let plate = pad().to_toml() + "[[plane]]\npoint_mm = [0, 0, 20]\nnormal = [0, 0, -1]\nrelative_permeability = 50\n";
+    let film = Layout::parse(&plate, "plate").unwrap_or_else(|error| panic!("{error}"));
+    let half_turn = Rotation::AxisAngle { axis: [1.0, 0.0, 0.0], angle_deg: 180.0 };
+    let moved = read_back(&film.rotated(half_turn, DVec3::ZERO).unwrap().moved(DVec3::new(1.0, 2.0, -3.0)).unwrap());
+    let plane = moved.iron.planes()[0];
+    assert_eq!((plane.point(), plane.normal()), (DVec3::new(1.0, 2.0, -23.0), DVec3::Z));
+    assert_eq!(plane.relative_permeability(), 50.0);
+}
+
 #[test]
 fn selected_tiles_keep_their_errors() {
     let one = read_back(&pad().with_selected_tiles(&[1]));

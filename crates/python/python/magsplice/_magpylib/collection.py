@@ -9,7 +9,10 @@ from magsplice._magpylib.cuboids import imported, in_metres
 
 
 def to_magpylib(film: _magsplice.Film) -> Any:
-    """Film as a `magpylib.Collection` of cuboids with the names of their tiles as labels."""
+    """Film as a `magpylib.Collection` of cuboids with the names of their tiles as labels.
+
+    Images of the tiles in iron are cuboids too: the field is right before all planes of iron.
+    """
     magpylib = imported()
     from scipy.spatial.transform import Rotation
 
