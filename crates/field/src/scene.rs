@@ -92,6 +92,9 @@ impl Scene {
     /// # Errors
     /// The first tile that is not before all planes.
     pub fn with_planes(self, planes: &IronPlanes) -> Result<Scene, TileBehindPlane> {
+        if planes.is_empty() && self.planes().is_empty() {
+            return Ok(self);
+        }
         let own = &self.direct.tiles()[..self.tiles];
         let images = planes.images(own)?;
         let owner = |tile: usize| self.direct.owner(tile);
