@@ -4,6 +4,7 @@ use glam::DVec3;
 use magsplice_magnet::Axis;
 use thiserror::Error;
 
+use crate::still_positions::StillPositions;
 use crate::stuck_axis::{StuckAxis, in_mt};
 
 /// Smallest number of readings that are alike by more than chance.
@@ -26,6 +27,9 @@ pub enum ColumnFault {
     /// A component is constant from one reading on.
     #[error("{0}")]
     Stuck(StuckAxis),
+    /// Readings at one position contradict each other.
+    #[error("{0}")]
+    Still(StillPositions),
     /// Two coordinates are equal at all positions.
     #[error(
         "{0} and {1} of all positions are equal: one column was written twice, unless the scan is along a diagonal"
@@ -48,7 +52,12 @@ impl ColumnFault {
         });
         let fields = equal(&finite).map(|(a, b)| ColumnFault::EqualFields(a, b));
         let stuck = || StuckAxis::among(readings_t).map(ColumnFault::Stuck);
-        constant.or(fields).or_else(stuck).or_else(|| equal(points).map(|(a, b)| ColumnFault::EqualPositions(a, b)))
+        let still = || StillPositions::among(points, readings_t).map(ColumnFault::Still);
+        constant
+            .or(fields)
+            .or_else(stuck)
+            .or_else(still)
+            .or_else(|| equal(points).map(|(a, b)| ColumnFault::EqualPositions(a, b)))
     }
 }
 

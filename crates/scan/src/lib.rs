@@ -43,6 +43,8 @@ mod sensor_fault;
 mod signed_axes;
 /// Where a fit starts.
 mod starts;
+/// Readings at one position that contradict each other.
+mod still_positions;
 /// An axis of a sensor that repeats its reading.
 mod stuck_axis;
 /// The tile that most likely has another strength.
@@ -68,6 +70,7 @@ pub use positions::ScanPositions;
 pub use sample_scan::{SampleScan, SampleScanError};
 pub use sensor_fault::SensorFault;
 pub use signed_axes::SignedAxes;
+pub use still_positions::StillPositions;
 pub use stuck_axis::StuckAxis;
 pub use suspect::suspect_strength;
 pub use turn::film_turn;

@@ -530,6 +530,14 @@ fn columns_that_no_scan_has_are_named() {
     let cause = format!("mT in {} successive readings, from reading {} on", count - half, half + 1);
     sandbox.run(&["scan", &film, "scan.csv"]).refuses(&cause);
     sandbox.run(&["diagnose", &film, "--scan", "scan.csv", "--noise", "10uT"]).refuses(&cause);
+    let mut still = changed(|_| ());
+    let x_mm = still[half][0];
+    still[half..].iter_mut().for_each(|line| line[0] = x_mm);
+    let first = still.iter().rposition(|line| line[0] != x_mm).expect("other positions") + 2;
+    write(&sandbox, "x_mm,y_mm,z_mm,bx_t,by_t,bz_t", &still);
+    let cause = format!("x has one value from reading {first} on: the stage or its log stood still");
+    sandbox.run(&["scan", &film, "scan.csv"]).refuses(&cause);
+    sandbox.run(&["diagnose", &film, "--scan", "scan.csv", "--noise", "10uT"]).refuses(&cause);
     // On the diagonal bx and by are equal, and the film has no other reading there.
     let diagonal: Vec<Vec<f64>> = field.into_iter().filter(|line| line[0] == line[1]).collect();
     write(&sandbox, "x_mm,y_mm,z_mm,bx_t,by_t,bz_t", &diagonal);

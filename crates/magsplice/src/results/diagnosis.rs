@@ -7,7 +7,7 @@ use magsplice_layout::{FilmTolerance, Layout, Preset};
 use magsplice_magnet::{Quantity, Tile, TileError};
 use magsplice_scan::{
     Candidate, ColumnFault, DetectedError, Diagnosis, ErrorKind, Exclusion, FreeParameters, NarrowedError, ScanError,
-    StuckAxis,
+    StillPositions, StuckAxis,
 };
 use magsplice_sensor::Noise;
 use serde::Serialize;
@@ -188,8 +188,10 @@ impl Film {
             return Err(FilmError::Scan(ScanError::TooFew { readings: 0, excluded: unusable.len(), needed: 1 }));
         }
         // No search explains them, and it takes minutes. Readings without noise may be 0 on a line.
-        if let Some(stuck) = StuckAxis::among(&usable_t).filter(|stuck| stuck.reading_t != 0.0) {
-            return Err(FilmError::Scan(ScanError::Columns(ColumnFault::Stuck(stuck))));
+        let stuck = StuckAxis::among(&usable_t).filter(|stuck| stuck.reading_t != 0.0).map(ColumnFault::Stuck);
+        let still = || StillPositions::among(points_mm, &usable_t).map(ColumnFault::Still);
+        if let Some(fault) = stuck.or_else(still) {
+            return Err(FilmError::Scan(ScanError::Columns(fault)));
         }
         let field_t =
             usable_t.iter().map(|usable_t| element.rotation * ((*usable_t - element.offset_t) / element.gain));

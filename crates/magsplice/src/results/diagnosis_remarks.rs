@@ -78,7 +78,8 @@ impl FilmDiagnosis {
         (self.has_expected_errors && is_coarse).then(|| {
             format!(
                 "chi squared is {} times its expectation: the expected errors are larger than those of the film, or the \
-                 noise is smaller than specified, and hide faulty tiles; expect smaller ones, as those of a jig",
+                 noise is smaller than specified, and hide faulty tiles; expect smaller errors, as those of a jig, or \
+                 specify the noise of these readings",
                 ratio(self.reduced_chi_squared())
             )
         })
