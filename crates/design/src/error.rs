@@ -44,6 +44,9 @@ pub enum DesignError {
     /// The layout has flat iron.
     #[error("films are designed without the field of iron: leave out [[plane]]")]
     Iron,
+    /// The errors of the layout contain iron near the film.
+    #[error("films are designed without the field of iron: leave out [tolerance.iron]")]
+    NearIron,
     /// There is not enough memory.
     #[error("{0}")]
     Memory(#[source] MemoryError),

@@ -130,8 +130,8 @@ pub use rotation::{EulerOrder, InvalidEulerOrder, ORTHOGONALITY_TOLERANCE, Rotat
 pub use sensor::StatedSensor;
 pub use sensor_part::PartSetting;
 pub use tolerance::{
-    CommonErrors, Distribution, ErrorGroup, FilmPose, FilmTolerance, Neighbour, Preset, SensorErrors, StrayField,
-    Temperature, TileErrors,
+    CommonErrors, Distribution, ErrorGroup, FilmPose, FilmTolerance, NearIron, Neighbour, Preset, SensorErrors,
+    StrayField, Temperature, TileErrors,
 };
 pub use units::{direction_from_degrees, ten_decimals};
 pub use volume::WorkingVolume;

@@ -1,10 +1,10 @@
 //! `[[plane]]`: flat iron near the film.
 
-use magsplice_magnet::{IronPlane, IronPlaneFault, IronPlanes, IronPlanesFault};
+use magsplice_magnet::{IronPlane, IronPlanes, IronPlanesFault};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::faults::{FINITE, Faults, Rule};
+use crate::faults::{FINITE, Faults, Rule, TableFaults};
 use crate::finding::{Finding, FindingSubject};
 use crate::layout::NamedTile;
 use crate::names::shown;
@@ -28,6 +28,32 @@ pub(crate) struct PlaneTable {
 
 const PERMEABILITY: Rule = Rule { is_kept: |mu_r| mu_r >= 1.0, words: "must be at least 1, or inf" };
 
+/// That of soft iron in weak fields, some thousands, differs from it by less than 0.1 % of the
+/// field of the images.
+pub(crate) fn default_permeability() -> f64 {
+    f64::INFINITY
+}
+
+/// Adds the fault of a permeability, of which infinity is one.
+pub(crate) fn resolve_permeability(mu_r: f64, faults: &mut TableFaults) {
+    if mu_r != f64::INFINITY {
+        faults.number("relative_permeability", mu_r, PERMEABILITY);
+    }
+}
+
+/// Adds the faults of the direction out of iron.
+pub(crate) fn resolve_normal(normal: [f64; 3], faults: &mut TableFaults) {
+    faults.numbers("normal", &normal, FINITE);
+    if normal == [0.0; 3] {
+        faults.add("normal = [0, 0, 0] has no direction, must point out of the iron");
+    }
+}
+
+/// The permeability as it is written: nothing for the default.
+pub(crate) fn written_permeability(mu_r: f64) -> Option<f64> {
+    (mu_r != default_permeability()).then_some(mu_r)
+}
+
 impl PlaneTable {
     /// The planes of a layout, or none after adding their faults. `tiles` are all its tiles.
     pub(crate) fn resolve(
@@ -41,19 +67,11 @@ impl PlaneTable {
         for (index, table) in tables.iter().enumerate() {
             let faults = &mut faults.at(place.item(index).start, format!("plane {}", index + 1));
             faults.point("point_mm", table.point_mm);
-            faults.numbers("normal", &table.normal, FINITE);
-            if let Some(mu_r) = table.relative_permeability.filter(|mu_r| mu_r.is_nan() || *mu_r < 1.0) {
-                faults.number("relative_permeability", mu_r, PERMEABILITY);
-            }
-            let mu_r = table.relative_permeability.unwrap_or(f64::INFINITY);
-            match IronPlane::new(table.point_mm.into(), table.normal.into(), mu_r) {
-                Ok(plane) => planes.push(plane),
-                Err(IronPlaneFault::Normal) if table.normal == [0.0; 3] => {
-                    faults.add("normal = [0, 0, 0] has no direction, must point out of the iron");
-                }
-                // The others are faults of single numbers.
-                Err(_) => {}
-            }
+            resolve_normal(table.normal, faults);
+            let mu_r = table.relative_permeability.unwrap_or(default_permeability());
+            resolve_permeability(mu_r, faults);
+            // What breaks a rule of planes has been refused above.
+            planes.extend(IronPlane::new(table.point_mm.into(), table.normal.into(), mu_r));
         }
         if faults.count() > before {
             return IronPlanes::default();
@@ -102,11 +120,10 @@ impl PlaneTable {
 
 impl From<&IronPlane> for PlaneTable {
     fn from(plane: &IronPlane) -> PlaneTable {
-        let mu_r = plane.relative_permeability();
         PlaneTable {
             point_mm: plane.point().to_array(),
             normal: plane.normal().to_array(),
-            relative_permeability: (mu_r != f64::INFINITY).then_some(mu_r),
+            relative_permeability: written_permeability(plane.relative_permeability()),
         }
     }
 }

@@ -8,6 +8,7 @@ pub(crate) struct TablesPresent {
     pub(crate) ideal: bool,
     pub(crate) volume: bool,
     pub(crate) tolerance: bool,
+    pub(crate) plane: bool,
 }
 
 impl TablesPresent {

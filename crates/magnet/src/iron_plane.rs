@@ -83,6 +83,11 @@ impl IronPlane {
         self.normal.dot(point - self.point)
     }
 
+    /// The mirror image of a point.
+    pub fn mirrored(&self, point: DVec3) -> DVec3 {
+        point - 2.0 * self.distance(point) * self.normal
+    }
+
     /// The same iron after a rigid motion.
     pub(crate) fn after(&self, placed: impl Fn(DVec3) -> DVec3, turned: impl Fn(DVec3) -> DVec3) -> IronPlane {
         IronPlane { point: placed(self.point), normal: turned(self.normal), ..*self }
@@ -103,7 +108,6 @@ impl IronPlane {
         let between = DQuat::from_vec4(along.cross(local).extend(along.dot(local))).normalize();
         let mut polarization_t = -self.image_factor() * tile.polarization_t();
         polarization_t[axis.index()] *= -1.0;
-        let position = tile.position() - 2.0 * self.distance(tile.position()) * self.normal;
-        Tile::new(position, tile.size(), polarization_t)?.rotated(tile.rotation() * between)
+        Tile::new(self.mirrored(tile.position()), tile.size(), polarization_t)?.rotated(tile.rotation() * between)
     }
 }

@@ -7,7 +7,8 @@ use thiserror::Error;
 
 use crate::bounding_box::BoundingBox;
 use crate::iron_plane::IronPlane;
-use crate::tile::Tile;
+use crate::reflection::Reflection;
+use crate::tile::{Tile, TileFaults};
 use crate::tolerances::{OVERLAP_ROUNDINGS, UNIT_ROUNDOFF};
 
 /// Sine of the angle between two planes up to which they count as parallel: round-off of normals
@@ -154,6 +155,19 @@ impl IronPlanes {
         self.series(tiles).1
     }
 
+    /// The reflections that make the images of tiles, in the order of [`IronPlanes::images`].
+    pub fn reflections(&self, tiles: &[Tile]) -> Vec<Reflection> {
+        let (most, _) = self.series(tiles);
+        let from = |first: usize| {
+            let planes = self.planes.iter().cycle().skip(first).take(most as usize);
+            planes.scan(Reflection::NONE, |last, plane| {
+                *last = last.then(plane);
+                (plane.image_factor() != 0.0).then_some(*last)
+            })
+        };
+        (0..self.planes.len()).flat_map(from).collect()
+    }
+
     /// The images of tiles, whose field adds to theirs. Images in two planes have images again; the
     /// series ends where the omitted images have less than 1e-8 T, or after 128 reflections.
     ///
@@ -161,22 +175,32 @@ impl IronPlanes {
     /// As [`IronPlanes::check`].
     pub fn images(&self, tiles: &[Tile]) -> Result<TileImages, TileBehindPlane> {
         self.check(tiles)?;
-        let (reflections, truncation_error_t) = self.series(tiles);
-        let mut images = TileImages { truncation_error_t, ..TileImages::default() };
+        let truncation_error_t = self.truncation_error_t(tiles);
+        // The only fault left: an image that is out of the range of tiles.
+        let out_of_range = |_| TileBehindPlane { tile: 0, plane: 0, depth: f64::INFINITY };
+        let reflected = self.reflected(tiles).map_err(out_of_range)?;
+        let owners = (0..reflected.len()).map(|image| image % tiles.len()).collect();
+        Ok(TileImages { tiles: reflected, owners, truncation_error_t })
+    }
+
+    /// The images of tiles that may reach into the iron, such as tiles with errors on a back plate,
+    /// in the order of [`IronPlanes::reflections`].
+    ///
+    /// # Errors
+    /// The faults of an image that is out of the range of tiles.
+    pub fn reflected(&self, tiles: &[Tile]) -> Result<Vec<Tile>, TileFaults> {
+        let (reflections, _) = self.series(tiles);
+        let mut images = Vec::new();
         for first in 0..self.planes.len() {
             let mut last = tiles.to_vec();
-            for reflection in 0..reflections as usize {
-                let number = (first + reflection) % self.planes.len();
-                let plane = &self.planes[number];
+            for plane in self.planes.iter().cycle().skip(first).take(reflections as usize) {
                 if plane.image_factor() == 0.0 {
                     break;
                 }
-                for (tile, of) in last.iter_mut().enumerate() {
-                    let out_of_range = |_| TileBehindPlane { tile, plane: number, depth: f64::INFINITY };
-                    *of = plane.image(of).map_err(out_of_range)?;
+                for tile in &mut last {
+                    *tile = plane.image(tile)?;
                 }
-                images.tiles.extend(&last);
-                images.owners.extend(0..tiles.len());
+                images.extend(&last);
             }
         }
         Ok(images)

@@ -57,6 +57,8 @@ mod pieces;
 mod point_error;
 /// Field quantities and the vacuum permeability.
 mod quantity;
+/// The images of tiles by the field of the tiles themselves.
+mod reflection;
 /// Tests of serialized values.
 #[cfg(all(test, feature = "serde"))]
 mod serde_tests;
@@ -82,6 +84,7 @@ pub use permeability::{InvalidPermeability, MAX_PERMEABILITY, Permeability};
 pub use pieces::{Piece, pieces};
 pub use point_error::{PointError, PointErrorCause, PointErrors, is_in_range};
 pub use quantity::{MU_0, Quantity};
+pub use reflection::Reflection;
 pub use tile::{Tile, TileFault, TileFaults};
 pub use tile_error::{DirectionError, PerTileError, TileError};
 pub use tolerances::{MAX_LENGTH, MAX_POLARIZATION_T, MIN_ASPECT, MIN_SIZE, UNIT_NORM_TOLERANCE};

@@ -194,11 +194,14 @@ impl Film {
     /// of the susceptibility times the errors.
     ///
     /// # Errors
-    /// If the layout states no errors, or has iron.
+    /// If the layout states no errors, or has recoil beside iron.
     pub fn real_film(&self) -> Result<RealFilm, FilmError> {
-        self.without_iron("films as made are computed")?;
         let tolerance = self.layout.tolerance.as_ref().ok_or(FilmError::Missing("tolerance"))?;
-        Ok(self.weakened(RealFilm::new(&self.layout.bare_tiles(), tolerance)).with_head(self.head().cloned()))
+        if self.recoil.is_some() && tolerance.common.iron.is_some() {
+            return Err(FilmError::RecoilNearIron);
+        }
+        let film = RealFilm::new(&self.layout.bare_tiles(), tolerance).with_iron(self.layout.iron.clone());
+        Ok(self.weakened(film).with_head(self.head().cloned()))
     }
 
     /// Refuses work that does not take iron into account, in words such as "forces are computed".

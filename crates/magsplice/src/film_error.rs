@@ -30,6 +30,9 @@ pub enum FilmError {
     /// The layout has flat iron, and this does not take it into account.
     #[error("{0} without the field of iron: leave out [[plane]]")]
     Iron(&'static str),
+    /// Iron changes the recoil of a film, which is not computed.
+    #[error("recoil is computed without the field of iron: leave out recoil_permeability or [tolerance.iron]")]
+    RecoilNearIron,
     /// The layout has one sensor, and this needs a head.
     #[error("readings of several sensors need head or [[sensor.element]] in [sensor]")]
     NoHead,

@@ -53,11 +53,8 @@ impl ColumnFault {
         let fields = equal(&finite).map(|(a, b)| ColumnFault::EqualFields(a, b));
         let stuck = || StuckAxis::among(readings_t).map(ColumnFault::Stuck);
         let still = || StillPositions::among(points, readings_t).map(ColumnFault::Still);
-        constant
-            .or(fields)
-            .or_else(stuck)
-            .or_else(still)
-            .or_else(|| equal(points).map(|(a, b)| ColumnFault::EqualPositions(a, b)))
+        let positions = || equal(points).map(|(a, b)| ColumnFault::EqualPositions(a, b));
+        constant.or(fields).or_else(stuck).or_else(positions).or_else(still)
     }
 }
 

@@ -51,7 +51,7 @@ const BETTER: f64 = 0.5;
 
 /// Largest residual over the root mean square of the readings. A film as made has a few per cent,
 /// a film of the same wavelength with other tiles from ten. No parameters are reported beyond it.
-pub(crate) const MOST_RESIDUAL: f64 = 0.2;
+const MOST_RESIDUAL: f64 = 0.2;
 
 /// Residual with the strength held, over the residual with the strength fitted, up to which the
 /// strength is held. Another strength alone leaves more than this of a film as ordered, whose

@@ -27,9 +27,9 @@ pub enum SampleScanError {
     /// The film has no field at points. Indices of tiles are those of the film.
     #[error("{0}")]
     Points(#[source] PointErrors),
-    /// The film beside it has no field at points.
+    /// The neighbour, or the images in iron, have no field at points.
     #[error("the neighbour: {0}")]
-    Neighbour(#[source] PointErrors),
+    Beside(#[source] PointErrors),
     /// The sensor cannot read the field.
     #[error("{0}")]
     Sensor(#[source] SensedFieldError),
@@ -48,6 +48,7 @@ impl SampleScan {
         if !far.is_empty() {
             return Err(SampleScanError::Points(PointErrors(far)));
         }
+        sample.check_before_iron(points_mm).map_err(SampleScanError::Points)?;
         let real = sample.sensor(sensor);
         let turned = sample.rotation().inverse() * real.rotation;
         let in_film: Vec<DVec3> = points_mm.iter().map(|point| sample.point_of_film(*point)).collect();
@@ -57,9 +58,10 @@ impl SampleScan {
             let part_t = read_t(part, read, &in_film, SampleScanError::Points)?;
             readings_t.iter_mut().zip(part_t).for_each(|(sum_t, b_t)| *sum_t += sample.strength() * b_t);
         }
-        if let Some(neighbour) = sample.neighbour() {
-            let neighbour_t = read_t(neighbour, real, points_mm, SampleScanError::Neighbour)?;
-            readings_t.iter_mut().zip(neighbour_t).for_each(|(sum_t, b_t)| *sum_t += b_t);
+        if let Some(beside) = sample.beside() {
+            let beside_mm: Vec<DVec3> = points_mm.iter().map(|point| sample.point_beside(*point)).collect();
+            let beside_t = read_t(beside, real, &beside_mm, SampleScanError::Beside)?;
+            readings_t.iter_mut().zip(beside_t).for_each(|(sum_t, b_t)| *sum_t += b_t);
         }
         let noise_t = sample.noise_t(points_mm.len(), &real);
         for (reading_t, noise_t) in readings_t.iter_mut().zip(noise_t) {

@@ -6,11 +6,14 @@ use glam::DVec3;
 use magsplice_magnet::Axis;
 use thiserror::Error;
 
-use crate::fit::MOST_RESIDUAL;
 use crate::stuck_axis::in_mt;
 
 /// Smallest number of readings at positions of earlier ones, and smallest share of all readings.
 const LEAST_REPEATED: (usize, f64) = (16, 0.1);
+
+/// Median difference over the length of the readings above which they contradict each other. The
+/// noise of sensors, and a film that slips a little, are a few per cent.
+const LEAST_DIFFERENCE: f64 = 0.2;
 
 /// Readings at positions of earlier ones, whose field is another one. The field depends on the
 /// position, so half of them leave a residual that no fit accepts.
@@ -53,7 +56,7 @@ impl StillPositions {
         let difference_t = differences_t[differences_t.len() / 2];
         let squares: f64 = usable().map(|number| readings_t[number].length_squared()).sum();
         let reading_t = (squares / usable().count() as f64).sqrt();
-        (difference_t > MOST_RESIDUAL * reading_t).then(|| StillPositions {
+        (difference_t > LEAST_DIFFERENCE * reading_t).then(|| StillPositions {
             repeated: repeated.len(),
             difference_t,
             still: still(points, &repeated),

@@ -3,9 +3,10 @@
 use glam::{DQuat, DVec3};
 use magsplice_field::Scene;
 use magsplice_layout::Distribution;
-use magsplice_magnet::{HallSensor, Tile, TileFaults};
+use magsplice_magnet::{HallSensor, IronPlane, PointErrors, Tile, TileFaults};
 
 use crate::draws::Draws;
+use crate::images::IronAround;
 use crate::readings::Surroundings;
 use crate::real_film::RealFilm;
 
@@ -18,7 +19,8 @@ use crate::real_film::RealFilm;
 pub struct FilmSample {
     tiles: Vec<Tile>,
     film: Vec<Scene>,
-    neighbour: Option<Scene>,
+    beside: Option<Scene>,
+    iron: IronAround,
     surroundings: Surroundings,
     noise_t: [Distribution; 3],
     draws: (u64, u64),
@@ -34,14 +36,33 @@ impl RealFilm {
         let tiles = self.draw_tiles(&mut draws)?;
         let mut film = vec![Scene::new(&self.in_film(&tiles)?)];
         film.extend(self.weakening().map(|weakening| weakening.remainder().clone()));
+        let surroundings = self.draw_surroundings(&mut draws);
+        let iron = self.iron_around(&surroundings);
+        if !iron.own.is_empty() {
+            film.push(Scene::new(&iron.own.reflected(&tiles)?));
+        }
+        let pose = surroundings.pose;
+        let image = |(plane, tile): (&IronPlane, &Tile)| {
+            let strength_t = surroundings.strength() * tile.polarization_t();
+            let posed = Tile::new(pose.apply(tile.position()), tile.size(), strength_t)?;
+            plane.image(&posed.rotated((pose.rotation() * tile.rotation()).normalize())?)
+        };
+        let of_near: Vec<Tile> = iron
+            .near
+            .iter()
+            .flat_map(|plane| tiles.iter().map(move |tile| (plane, tile)))
+            .map(image)
+            .collect::<Result<_, _>>()?;
         let common = &self.tolerance().common;
+        let beside = common.neighbour.as_ref().map(|neighbour| &neighbour.tiles).or(iron.near.map(|_| &of_near));
         Ok(FilmSample {
-            tiles,
             film,
-            neighbour: common.neighbour.as_ref().map(|neighbour| Scene::new(&neighbour.tiles)),
-            surroundings: self.draw_surroundings(&mut draws),
+            beside: beside.map(|tiles| Scene::new(tiles)),
+            iron,
+            surroundings,
             noise_t: common.sensor.noise_t.clone(),
             draws: (seed, sample),
+            tiles,
         })
     }
 }
@@ -58,9 +79,25 @@ impl FilmSample {
         &self.film
     }
 
-    /// The film beside it, in the frame of the film as ordered.
-    pub fn neighbour(&self) -> Option<&Scene> {
-        self.neighbour.as_ref()
+    /// The neighbour, or the images of the film in iron near it, in the frame of the film as
+    /// ordered.
+    pub fn beside(&self) -> Option<&Scene> {
+        self.beside.as_ref()
+    }
+
+    /// The point at which the sensor reads [`FilmSample::beside`] at a place. Errors of its place
+    /// do not change what it reads of a neighbour.
+    pub fn point_beside(&self, place: DVec3) -> DVec3 {
+        place + if self.iron.near.is_some() { self.surroundings.chips[0].shift_mm } else { DVec3::ZERO }
+    }
+
+    /// Checks places of the sensor.
+    ///
+    /// # Errors
+    /// Those that are in iron.
+    pub fn check_before_iron(&self, places: &[DVec3]) -> Result<(), PointErrors> {
+        let shifted: Vec<DVec3> = places.iter().map(|place| *place + self.surroundings.chips[0].shift_mm).collect();
+        self.iron.check(&shifted)
     }
 
     /// The point of the film that the sensor reads at a place.
@@ -109,9 +146,9 @@ mod tests {
     use magsplice_head::{HeadElement, SensorHead};
     use magsplice_ideal::IdealFilm;
     use magsplice_layout::{
-        CommonErrors, FilmPose, FilmTolerance, Neighbour, SensorErrors, StrayField, Temperature, TileErrors,
+        CommonErrors, FilmPose, FilmTolerance, NearIron, Neighbour, SensorErrors, StrayField, Temperature, TileErrors,
     };
-    use magsplice_magnet::{Grid, Quantity};
+    use magsplice_magnet::{Grid, IronPlane, IronPlanes, Quantity};
 
     use super::*;
     use crate::evaluation_grid::EvaluationGrid;
@@ -142,6 +179,7 @@ mod tests {
                 film: FilmPose { position_mm: three(position_mm), rotation_rad: three(0.1 * position_mm) },
                 stray_field: Some(StrayField { field_t: three(1e-4), later: true, ..StrayField::default() }),
                 neighbour: Some(neighbour),
+                iron: None,
                 temperature: Some(Temperature { change_k: normal(20.0), strength_per_k: -0.001 }),
                 sensor: SensorErrors {
                     position_mm: three(0.3 * position_mm),
@@ -205,24 +243,43 @@ mod tests {
         let volume = EvaluationGrid { grid, reference: DVec3::new(0.0, 0.1, -4.0) };
         let ideal = IdealFilm::new(10.0, 1.0, 0.12).expect("a film");
         let largest_remainder_t = field_t(&[remainder()], DVec3::new(0.0, 0.0, -3.0)).length();
-        for (position_mm, recoil, allowed_t) in
-            [(0.1, false, 1e-15), (0.0, true, 1e-15), (0.1, true, 10.0 * 0.03_f64.powi(2) * largest_remainder_t)]
-        {
-            let tolerance = tolerance(position_mm);
+        let near = NearIron {
+            normal: DVec3::new(0.1, 0.2, -1.0).normalize(),
+            distance_mm: 1.0,
+            distance_error_mm: Distribution::Uniform { half_width: 0.5 },
+            relative_permeability: 9.0,
+            later: true,
+        };
+        let plate = |z: f64, up: f64| IronPlane::new(z * DVec3::Z, up * DVec3::Z, 4.0).expect("a plane");
+        let plates = IronPlanes::new(vec![plate(1.0, -1.0), plate(-8.0, 1.0)]).expect("planes");
+        let with_recoil_t = 10.0 * 0.03_f64.powi(2) * largest_remainder_t;
+        for (position_mm, kind, allowed_t) in [
+            (0.1, "rigid", 1e-15),
+            (0.0, "recoil", 1e-15),
+            (0.1, "recoil", with_recoil_t),
+            (0.1, "near", 1e-14),
+            (0.1, "plates", 1e-14),
+        ] {
+            let mut tolerance = tolerance(position_mm);
+            if kind == "near" {
+                tolerance.common.neighbour = None;
+                tolerance.common.iron = Some(near.clone());
+            }
             let film = RealFilm::new(&tiles, &tolerance);
-            let film = match recoil {
-                true => film.with_weakening(Weakening::new(&tiles, &means, remainder())),
-                false => film,
+            let film = match kind {
+                "recoil" => film.with_weakening(Weakening::new(&tiles, &means, remainder())),
+                "plates" => film.with_iron(plates.clone()),
+                _ => film,
             };
             let sampler = Sampler::new(&film, &volume, &ideal, 7).expect("a sampler");
             for number in 0..3 {
                 let sample = film.sample(7, number).expect("tiles");
                 assert_eq!(sample.tiles(), film.sample_tiles(7, number).expect("tiles"));
-                assert_eq!(sample.film().len(), 1 + usize::from(recoil));
+                assert_eq!(sample.film().len(), 1 + usize::from(["recoil", "plates"].contains(&kind)));
                 let read_t = sampler.readings_of_t(number).expect("readings");
                 let sensor = sample.sensor(&HallSensor::default());
                 let noise_t = sample.noise_t(read_t.len(), &HallSensor::default());
-                let neighbour = sample.neighbour().expect("a neighbour");
+                let beside = sample.beside().expect("a neighbour");
                 let last = read_t.len() - 1;
                 for (reading, (place, read_t)) in sampler.points().iter().zip(&read_t).enumerate() {
                     let mut b_t = sample.rotation() * field_t(sample.film(), sample.point_of_film(*place));
@@ -230,10 +287,10 @@ mod tests {
                     if reading != last {
                         b_t = b_t * sample.strength()
                             + sample.stray_field_t()
-                            + neighbour.field(Quantity::FluxDensity, *place).expect("outside");
+                            + beside.field(Quantity::FluxDensity, sample.point_beside(*place)).expect("outside");
                     }
                     let known_t = sensor.gain * (sensor.rotation.inverse() * b_t) + sensor.offset_t + noise_t[reading];
-                    assert!(known_t.distance(*read_t) < allowed_t, "{recoil}: {read_t}, not {known_t}");
+                    assert!(known_t.distance(*read_t) < allowed_t, "{kind}: {read_t}, not {known_t}");
                 }
             }
         }

@@ -33,6 +33,8 @@ mod evaluation_grid;
 mod film_sample;
 /// Errors to first order.
 mod first_order;
+/// The images of a film in flat iron.
+mod images;
 /// Columns as combinations of a few orthonormal ones.
 mod low_rank;
 /// The errors of one cause alone.

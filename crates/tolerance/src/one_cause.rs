@@ -28,10 +28,11 @@ pub(crate) fn each_alone(all: &FilmTolerance) -> Vec<(Cause, FilmTolerance)> {
     for (index, group) in all.groups.iter().enumerate() {
         found.push((Cause::Group(index), FilmTolerance { groups: vec![group.clone()], ..FilmTolerance::default() }));
     }
-    let common: [(Cause, CopyOne); 9] = [
+    let common: [(Cause, CopyOne); 10] = [
         (Cause::FilmPose, |all, alone| alone.film = all.film.clone()),
         (Cause::StrayField, |all, alone| alone.stray_field = all.stray_field.clone()),
         (Cause::Neighbour, |all, alone| alone.neighbour = all.neighbour.clone()),
+        (Cause::Iron, |all, alone| alone.iron = all.iron.clone()),
         (Cause::Temperature, |all, alone| alone.temperature = all.temperature.clone()),
         (Cause::SensorOffset, |all, alone| alone.sensor.offset_t = all.sensor.offset_t.clone()),
         (Cause::SensorRotation, |all, alone| alone.sensor.rotation_rad = all.sensor.rotation_rad.clone()),

@@ -16,6 +16,9 @@ pub(crate) struct Pose {
 }
 
 impl Pose {
+    /// No motion.
+    pub(crate) const NONE: Pose = Pose { about: DVec3::ZERO, shift: DVec3::ZERO, turn: DQuat::IDENTITY };
+
     pub(crate) fn new(about: DVec3, shift: DVec3, rotation_rad: DVec3) -> Pose {
         Pose { about, shift, turn: DQuat::from_scaled_axis(rotation_rad) }
     }
@@ -51,6 +54,8 @@ pub(crate) struct Surroundings {
     neighbour_later: bool,
     /// Relative change of all strengths after the reading at the reference point.
     warming: f64,
+    /// Error of the distance of iron near the film.
+    pub(crate) iron_error_mm: f64,
     /// Of each sensor of a head, or of one.
     pub(crate) chips: Vec<ChipErrors>,
 }
@@ -74,6 +79,7 @@ const SENSOR_OFFSET: usize = 13;
 const SENSOR_ROTATION: usize = 16;
 const SENSOR_GAIN: usize = 19;
 const SENSOR_POSITION: usize = 22;
+const IRON_DISTANCE: usize = 25;
 
 /// First index of the errors of the second sensor of a head, and the distance to those of the next.
 const OTHER_SENSORS: usize = 64;
@@ -81,7 +87,7 @@ const OF_SENSOR: usize = 16;
 
 impl Surroundings {
     pub(crate) fn draw(common: &CommonErrors, centre: DVec3, chips: usize, draws: &mut Draws) -> Surroundings {
-        let CommonErrors { film, stray_field, neighbour, temperature, sensor } = common;
+        let CommonErrors { film, stray_field, neighbour, iron, temperature, sensor } = common;
         let mut vector = |cause, errors: &[_; 3]| {
             let [x, y, z] = errors;
             DVec3::from(draws.common(cause, [x, y, z]))
@@ -109,18 +115,22 @@ impl Surroundings {
             stray_field_later: stray_field.as_ref().is_some_and(|field| field.later),
             neighbour_later: neighbour.as_ref().is_some_and(|neighbour| neighbour.later),
             warming,
+            iron_error_mm: iron
+                .as_ref()
+                .map_or(0.0, |iron| draws.common::<1>(IRON_DISTANCE, [&iron.distance_error_mm])[0]),
             chips,
         }
     }
 
     /// The values of the errors: three each of position and rotation of the film, three of the
-    /// stray field, the relative change of all strengths, and three each of offset, rotation,
-    /// gain and position of each sensor.
+    /// stray field, the relative change of all strengths, the error of the distance of iron, and
+    /// three each of offset, rotation, gain and position of each sensor.
     pub(crate) fn values(&self) -> Vec<f64> {
         let of_film = [self.pose.shift, self.pose.turn.to_scaled_axis(), self.stray_field_t];
         let of_chip =
             |chip: &ChipErrors| [chip.offset_t, chip.turn.to_scaled_axis(), chip.gain - DVec3::ONE, chip.shift_mm];
-        let of_film = of_film.into_iter().flat_map(|vector| vector.to_array()).chain([self.warming]);
+        let of_film =
+            of_film.into_iter().flat_map(|vector| vector.to_array()).chain([self.warming, self.iron_error_mm]);
         of_film.chain(self.chips.iter().flat_map(of_chip).flat_map(|vector| vector.to_array())).collect()
     }
 
@@ -146,11 +156,11 @@ impl Surroundings {
         }
     }
 
-    /// The reading of a sensor, in tesla, without noise. `film_t` is the field of the film in its
-    /// own frame, `neighbour_t` the field of its neighbour. The first reading, at the reference
+    /// The reading of a sensor, in tesla, without noise. `film_t` is the field of the film and
+    /// of its images, `neighbour_t` the field of its neighbour. The first reading, at the reference
     /// point, lacks later contributions.
     pub(crate) fn reading_t(&self, chip: &ChipErrors, film_t: DVec3, neighbour_t: DVec3, is_first: bool) -> DVec3 {
-        let mut b_t = self.pose.rotation() * film_t;
+        let mut b_t = film_t;
         if !is_first {
             b_t *= self.strength();
         }

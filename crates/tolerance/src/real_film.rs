@@ -4,10 +4,11 @@ use std::borrow::Cow;
 
 use glam::{DQuat, DVec3};
 use magsplice_head::SensorHead;
-use magsplice_layout::{ErrorGroup, FilmTolerance};
-use magsplice_magnet::{BoundingBox, PerTileError, Tile, TileFaults};
+use magsplice_layout::{ErrorGroup, FilmTolerance, NearIron};
+use magsplice_magnet::{BoundingBox, IronPlane, IronPlanes, PerTileError, Reflection, Tile, TileFaults};
 
 use crate::draws::Draws;
+use crate::images::{FilmImages, IronAround};
 use crate::readings::{Pose, Surroundings};
 use crate::weakening::Weakening;
 
@@ -37,6 +38,8 @@ pub struct RealFilm {
     weakening: Option<Weakening>,
     /// The head that reads it; `None` for one sensor.
     head: Option<SensorHead>,
+    /// The iron that moves with it.
+    iron: IronPlanes,
 }
 
 impl RealFilm {
@@ -51,16 +54,58 @@ impl RealFilm {
             "tiles of groups"
         );
         let centre_mm = if tiles.is_empty() { DVec3::ZERO } else { BoundingBox::from_tiles(tiles).centre() };
-        RealFilm { tiles: tiles.to_vec(), tolerance: tolerance.clone(), centre_mm, weakening: None, head: None }
+        RealFilm {
+            tiles: tiles.to_vec(),
+            tolerance: tolerance.clone(),
+            centre_mm,
+            weakening: None,
+            head: None,
+            iron: IronPlanes::default(),
+        }
     }
 
     /// The same film with recoil: its tiles weaken and turn in the field of all tiles.
     ///
     /// # Panics
-    /// If there are not as many places as tiles.
+    /// If there are not as many places as tiles, or there is iron, which changes the recoil.
     pub fn with_weakening(self, weakening: Weakening) -> RealFilm {
+        assert!(self.iron.is_empty() && self.tolerance.common.iron.is_none(), "recoil without iron");
         assert_eq!(self.tiles.len(), weakening.place_count(), "a place for each tile");
         RealFilm { weakening: Some(weakening), ..self }
+    }
+
+    /// The same film with iron that moves with it, such as a back plate. Tiles with errors may
+    /// reach into the iron.
+    ///
+    /// # Panics
+    /// If the film has iron near it, or recoil.
+    pub fn with_iron(self, iron: IronPlanes) -> RealFilm {
+        let is_alone = self.weakening.is_none() && self.tolerance.common.iron.is_none();
+        assert!(iron.is_empty() || is_alone, "iron without recoil or other iron");
+        RealFilm { iron, ..self }
+    }
+
+    /// Its images. `error_mm` is an error of the distance of iron near it.
+    pub(crate) fn images(&self, error_mm: f64) -> FilmImages {
+        let mut reflections = vec![Reflection::NONE];
+        reflections.extend(self.iron.reflections(&self.tiles));
+        reflections.extend(self.near_iron(error_mm).map(|plane| Reflection::NONE.then(&plane)));
+        FilmImages {
+            reflections,
+            moves: !self.iron.is_empty(),
+            later: self.tolerance.common.iron.as_ref().is_some_and(|iron| iron.later),
+        }
+    }
+
+    fn near_iron(&self, error_mm: f64) -> Option<IronPlane> {
+        let plane = |iron: &NearIron| iron.plane(&self.tiles, error_mm).expect("rules of planes were checked");
+        self.tolerance.common.iron.as_ref().map(plane)
+    }
+
+    /// The iron around it in a sample.
+    pub(crate) fn iron_around(&self, surroundings: &Surroundings) -> IronAround {
+        let near = self.near_iron(surroundings.iron_error_mm);
+        IronAround { own: self.iron.clone(), near, pose: surroundings.pose }
     }
 
     /// The same film below a head, whose sensors have errors of their own. The sensors count as
@@ -80,7 +125,12 @@ impl RealFilm {
     /// # Panics
     /// As [`RealFilm::new`].
     pub fn with_tolerance(self, tolerance: &FilmTolerance) -> RealFilm {
-        RealFilm { weakening: self.weakening, head: self.head, ..RealFilm::new(&self.tiles, tolerance) }
+        RealFilm {
+            weakening: self.weakening,
+            head: self.head,
+            iron: self.iron,
+            ..RealFilm::new(&self.tiles, tolerance)
+        }
     }
 
     pub(crate) fn weakening(&self) -> Option<&Weakening> {

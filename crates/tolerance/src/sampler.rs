@@ -11,6 +11,9 @@ use rayon::prelude::*;
 
 use crate::draws::Draws;
 use crate::evaluation_grid::{EvaluationGrid, SampleError};
+use crate::images::FilmImages;
+use crate::quantile::mean;
+use crate::readings::Pose;
 use crate::real_film::RealFilm;
 use crate::statistics::Statistics;
 
@@ -27,6 +30,8 @@ pub struct Sampler<'a> {
     chips: Vec<Chip>,
     /// What they read of the ideal film at the points of the grid.
     ideal_t: Vec<DVec3>,
+    /// The images of the film in iron at its mean distance.
+    images: FilmImages,
 }
 
 /// A sensor of a head, and what does not differ between samples.
@@ -71,7 +76,9 @@ impl<'a> Sampler<'a> {
         };
         let chips = film.chips().into_iter().map(chip).collect::<Result<_, _>>()?;
         let ideal_t = volume.ideal_field_t(ideal, &film.chips())?;
-        Ok(Sampler { film, volume: *volume, ideal, seed, points, chips, ideal_t })
+        let distance_error = film.tolerance().common.iron.as_ref().map(|iron| mean(&iron.distance_error_mm));
+        let images = film.images(distance_error.unwrap_or(0.0));
+        Ok(Sampler { film, volume: *volume, ideal, seed, points, chips, ideal_t, images })
     }
 
     /// The errors of sample number `sample`, which depend on the seed and on this number alone.
@@ -110,18 +117,28 @@ impl<'a> Sampler<'a> {
         let surroundings = self.film.draw_surroundings(draws);
         let in_place = self.film.in_film(tiles).map_err(SampleError::Tile)?;
         let scene = Scene::new(&in_place);
+        let near_iron = self.film.tolerance().common.iron.is_some();
+        let of_sample = near_iron.then(|| self.film.images(surroundings.iron_error_mm));
+        let iron = self.film.iron_around(&surroundings);
+        let images = of_sample.as_ref().unwrap_or(&self.images);
         let noise = &self.film.tolerance().common.sensor.noise_t;
         let noisy = noise.iter().any(|noise| !noise.is_none());
         let last = self.points.len() - 1;
         let mut sums_t = vec![DVec3::ZERO; self.points.len()];
         for (number, (chip, errors)) in self.chips.iter().zip(&surroundings.chips).enumerate() {
             let place = |point: &DVec3| *point + chip.place;
-            let in_film: Vec<DVec3> =
-                self.points.iter().map(|point| surroundings.pose.undo(place(point) + errors.shift_mm)).collect();
-            let mut read_t = exact_field_t(&scene, &in_film)?;
-            // The remainder is small, and moves by less than it varies.
-            for (reading, (b_t, gradient)) in chip.remainder_t.iter().enumerate() {
-                read_t[reading] += *b_t + *gradient * (in_film[reading] - place(&self.points[reading]));
+            let places: Vec<DVec3> = self.points.iter().map(|point| place(point) + errors.shift_mm).collect();
+            iron.check(&places).map_err(SampleError::Field)?;
+            let mut read_t = vec![DVec3::ZERO; places.len()];
+            // One after another, because two planes have hundreds.
+            for (image, reflection) in images.reflections.iter().enumerate() {
+                let in_film = images.in_film(reflection, &surroundings.pose, &places);
+                let mut in_film_t = exact_field_t(&scene, &in_film)?;
+                // The remainder is small, and moves by less than it varies.
+                for (reading, (b_t, gradient)) in chip.remainder_t.iter().enumerate() {
+                    in_film_t[reading] += *b_t + *gradient * (in_film[reading] - place(&self.points[reading]));
+                }
+                images.add(image, &surroundings.pose, &in_film_t, self.points.len(), &mut read_t);
             }
             for (reading, (b_t, neighbour_t)) in read_t.iter_mut().zip(&chip.neighbour_t).enumerate() {
                 *b_t = surroundings.reading_t(errors, *b_t, *neighbour_t, reading == last);
@@ -144,10 +161,32 @@ impl<'a> Sampler<'a> {
         self.chips.iter().flat_map(|chip| self.points.iter().map(|point| *point + chip.place)).collect()
     }
 
-    /// The field of the film without errors at each place.
+    /// The images of the film in iron at its mean distance.
+    pub(crate) fn images(&self) -> &FilmImages {
+        &self.images
+    }
+
+    /// The places, then those at which the film has the field that its images have there.
+    pub(crate) fn places_and_images(&self) -> Vec<DVec3> {
+        let places = self.places();
+        let of_image = |reflection| self.images.in_film(reflection, &Pose::NONE, &places);
+        self.images.reflections.iter().flat_map(of_image).collect()
+    }
+
+    /// The field of the film without errors at [`Sampler::places_and_images`].
     pub(crate) fn film_t(&self) -> Result<Vec<DVec3>, SampleError> {
         let remainder_t = self.chips.iter().flat_map(|chip| &chip.remainder_t).map(|(b_t, _)| b_t);
-        film_field_t(self.film, self.film.tiles(), &self.places(), remainder_t)
+        film_field_t(self.film, self.film.tiles(), &self.places_and_images(), remainder_t)
+    }
+
+    /// The field of the film and of its images at each place, from that of the film at
+    /// [`Sampler::places_and_images`], or at the places alone without the images.
+    pub(crate) fn with_images_t(&self, of_film_t: &[DVec3]) -> Vec<DVec3> {
+        let mut sums_t = vec![DVec3::ZERO; self.chips.len() * self.points.len()];
+        for (image, of_film_t) in of_film_t.chunks_exact(sums_t.len()).enumerate() {
+            self.images.add(image, &Pose::NONE, of_film_t, self.points.len(), &mut sums_t);
+        }
+        sums_t
     }
 
     /// The field of the neighbour at each place.

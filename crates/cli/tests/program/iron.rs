@@ -49,10 +49,7 @@ fn work_without_iron_is_refused() {
     sandbox.write("scan.csv", &(scan.to_owned() + &rows.concat()));
     sandbox.write("tiles.csv", "name,j_x_t,j_y_t,j_z_t\nm1,0.2,0.1,0.4\nm2,0.2,0.1,0.39\n");
     for arguments in [
-        &["tolerance", "film.toml"][..],
-        &["budget", "film.toml"],
-        &["tolerance", "sample", "film.toml", "-o", "made.toml"],
-        &["forces", "film.toml"],
+        &["forces", "film.toml"][..],
         &["design", "film.toml", "-o", "better.toml"],
         &["diagnose", "film.toml", "--scan", "scan.csv", "--noise", "5uT"],
         &["assign", "film.toml", "--measured", "tiles.csv", "-o", "made.toml"],
@@ -61,8 +58,51 @@ fn work_without_iron_is_refused() {
     ] {
         sandbox.run(arguments).refuses("without the field of iron: leave out [[plane]]");
     }
+    let near = "[tolerance.iron]\ndistance_mm = 1\n";
+    let design = "[design]\ngoal = \"displacement\"\nvary = [\"strength\"]\nunder = \"tolerance\"\nstrength_t = { min = 0.05, max = 0.5 }\n";
+    sandbox.write("near.toml", &format!("{TILE}{design}{near}{own}"));
+    sandbox
+        .run(&["design", "near.toml", "-o", "better.toml"])
+        .refuses("films are designed without the field of iron: leave out [tolerance.iron]");
+    sandbox.write("soft.toml", &format!("{TILE}{near}[material]\nrecoil_permeability = 1.05\n{own}"));
+    sandbox.run(&["tolerance", "soft.toml"]).refuses("leave out recoil_permeability or [tolerance.iron]");
     sandbox.run(&["export", "film.toml", "--to", "magpylib"]).refuses("magpylib has no field of iron");
     let published = std::fs::read_to_string(shipped("published-film")).expect("readable");
     sandbox.write("inside.toml", &format!("{published}\n[[plane]]\npoint_mm = [0, 0, 0.5]\nnormal = [0, 0, -1]\n"));
     sandbox.run(&["check", "inside.toml"]).refuses("reaches 5.000e-1 mm into the iron, must be before it");
+}
+
+/// Films as made beside iron: a sample without errors is the film of the layout, a sampled scan has
+/// the field of its images, and the budget names the iron.
+#[test]
+fn films_as_made_have_their_images() {
+    let sandbox = Sandbox::new();
+    let published = std::fs::read_to_string(shipped("published-film")).expect("readable");
+    let of = |name: &str, tables: &str| sandbox.write(name, &format!("{published}\n{tables}\n"));
+    of("plate.toml", "[tolerance]\nsamples = 10\n[[plane]]\npoint_mm = [0, 0, 2]\nnormal = [0, 0, -1]");
+    of("near.toml", "[tolerance]\nsamples = 10\n[tolerance.iron]\ndistance_mm = 1\nwhen = \"before\"");
+    let json = |arguments: &[&str]| -> serde_json::Value {
+        let said = sandbox.run(&[arguments, &["--format", "json"]].concat());
+        assert_eq!(said.status, 0, "{}", said.stderr);
+        serde_json::from_str(&said.stdout).expect("JSON")
+    };
+    let ordered = json(&["decouple", "plate.toml"]);
+    for name in ["plate.toml", "near.toml"] {
+        let made = json(&["tolerance", name]);
+        for axis in ["x", "y", "z"] {
+            let known = ordered["displacement_rmse_mm"][axis].as_f64().expect("a number");
+            let found = made["displacement_rmse_mm"][axis]["mean"]["value"].as_f64().expect("a number");
+            assert!((found - known).abs() < 1e-12, "{name}: {found}, not {known}");
+        }
+        let scan = format!("{name}.csv");
+        assert_eq!(sandbox.run(&["tolerance", "sample", name, "--scan", &scan]).status, 0);
+        // The noise of the sensor; the images have 110 uT at the reference point.
+        let residual_t = json(&["scan", "plate.toml", &scan])["residual_t"].as_f64().expect("a number");
+        assert!(residual_t < 3e-6, "{name}: {residual_t}");
+    }
+    let budget = sandbox.run(&["budget", "near.toml"]);
+    assert!(budget.status == 0 && budget.stdout.contains("iron nearby"), "{}", budget.stderr);
+    let behind = ["tolerance", "sample", "near.toml", "--points", "points.csv", "--scan", "s.csv"];
+    sandbox.write("points.csv", "x_mm,y_mm,z_mm\n0,0,-4\n0,0,2.5\n");
+    sandbox.run(&behind).refuses("in iron");
 }

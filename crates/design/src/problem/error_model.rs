@@ -118,13 +118,16 @@ impl ErrorModel {
     /// The model of the errors of a layout.
     ///
     /// # Errors
-    /// If a neighbouring film has no field at a point of the grid.
+    /// If a neighbouring film has no field at a point of the grid, or iron is near the film.
     pub(crate) fn new(
         tolerance: &FilmTolerance,
         tile_count: usize,
         sampling: &Sampling,
         weights: [f64; 3],
     ) -> Result<ErrorModel, DesignError> {
+        if tolerance.common.iron.is_some() {
+            return Err(DesignError::NearIron);
+        }
         let mean_squares = |errors: &TileErrors| errors.each_ref().map(mean_square);
         let mut joint: Vec<JointErrors> = (tolerance.groups.iter())
             .map(|group| JointErrors {

@@ -185,6 +185,7 @@ fn resolve(file: LayoutFile, place: &Place, text: &str, source: &Source) -> Resu
         ideal: file.ideal.is_some(),
         volume: file.volume.is_some(),
         tolerance: file.tolerance.is_some(),
+        plane: !file.plane.is_empty(),
     };
     let ideal = file.ideal.and_then(|table| table.resolve(&mut faults.at(at("ideal"), "ideal")));
     let volume = file.volume.and_then(|table| table.resolve(&mut faults.at(at("volume"), "volume")));

@@ -71,6 +71,15 @@ impl Distribution {
         }
     }
 
+    /// The largest magnitude of all errors, infinite for normal errors that were not sorted.
+    pub(crate) fn bound(&self) -> f64 {
+        match self {
+            Distribution::Normal { .. } => f64::INFINITY,
+            Distribution::Truncated { limit, .. } => *limit,
+            _ => self.largest(),
+        }
+    }
+
     /// The largest magnitude that it states: of all errors, or their standard deviation.
     pub(crate) fn largest(&self) -> f64 {
         match self {

@@ -3,7 +3,8 @@
 
 use std::collections::HashMap;
 
-use magsplice_magnet::{PerTileError, Tile};
+use glam::DVec3;
+use magsplice_magnet::{IronPlane, IronPlaneFault, PerTileError, Tile};
 
 pub use self::distribution::Distribution;
 pub use self::presets::Preset;
@@ -16,6 +17,8 @@ mod common;
 mod distribution;
 /// Groups of tiles.
 mod groups;
+/// Flat iron near the film.
+mod iron;
 /// Another film nearby.
 mod neighbour;
 /// Usual errors of tiles.
@@ -111,6 +114,8 @@ pub struct CommonErrors {
     pub stray_field: Option<StrayField>,
     /// Another film nearby.
     pub neighbour: Option<Neighbour>,
+    /// Flat iron near the film.
+    pub iron: Option<NearIron>,
     /// A change of temperature after the reading at the reference point.
     pub temperature: Option<Temperature>,
     /// Errors of the sensor.
@@ -150,6 +155,50 @@ pub struct Neighbour {
     pub rotation: Option<Rotation>,
     /// Whether it comes after the reading at the reference point.
     pub later: bool,
+}
+
+/// Flat iron near the film: a half space behind a plane that does not move with the film.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NearIron {
+    /// Unit vector out of the iron, towards the film.
+    pub normal: DVec3,
+    /// Distance of the iron from the nearest corner of the film as ordered.
+    pub distance_mm: f64,
+    /// Error of this distance, smaller than it in every film.
+    pub distance_error_mm: Distribution,
+    /// Relative permeability of the iron, which may be infinite.
+    pub relative_permeability: f64,
+    /// Whether it comes after the reading at the reference point.
+    pub later: bool,
+}
+
+impl NearIron {
+    /// The direction out of iron above a film.
+    pub const ABOVE: DVec3 = DVec3::NEG_Z;
+
+    /// The iron beside a film of these tiles, with an error of its distance.
+    ///
+    /// # Errors
+    /// The broken rule of a plane.
+    pub fn plane(&self, tiles: &[Tile], error_mm: f64) -> Result<IronPlane, IronPlaneFault> {
+        let heights = tiles.iter().flat_map(Tile::corners_mm).map(|corner| -self.normal.dot(corner));
+        let film_mm = heights.reduce(f64::max).unwrap_or(0.0);
+        let point = -(film_mm + self.distance_mm + error_mm) * self.normal;
+        IronPlane::new(point, self.normal, self.relative_permeability)
+    }
+}
+
+impl Default for NearIron {
+    /// Soft iron on the upper face of a film, after the first reading.
+    fn default() -> NearIron {
+        NearIron {
+            normal: NearIron::ABOVE,
+            distance_mm: 0.0,
+            distance_error_mm: Distribution::NONE,
+            relative_permeability: f64::INFINITY,
+            later: true,
+        }
+    }
 }
 
 /// A change of temperature after the reading at the reference point.

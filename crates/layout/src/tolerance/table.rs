@@ -17,6 +17,7 @@ use crate::tables_present::TablesPresent;
 use crate::tolerance::common::{FilmTable, SensorTable, StrayFieldTable, TemperatureTable};
 use crate::tolerance::distribution::Distribution;
 use crate::tolerance::groups::{self, GroupTable};
+use crate::tolerance::iron::IronTable;
 use crate::tolerance::neighbour::NeighbourTable;
 use crate::tolerance::presets::Preset;
 use crate::tolerance::selection::Selection;
@@ -43,6 +44,9 @@ pub(crate) struct ToleranceTable {
     stray_field: Option<StrayFieldTable>,
     /// Another film nearby.
     neighbour: Option<NeighbourTable>,
+    /// Flat iron near the film.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    iron: Option<IronTable>,
     /// A change of temperature after the reading at the reference point.
     temperature: Option<TemperatureTable>,
     /// Errors of the sensor.
@@ -110,14 +114,22 @@ impl ToleranceTable {
         let film = self.film.map(|film| film.resolve(longest_side(tiles), &mut tables.key("film")));
         let stray_field = self.stray_field.map(|field| field.resolve(&mut tables.key("stray_field")));
         let temperature = self.temperature.map(|change| change.resolve(strength_per_k, &mut tables.key("temperature")));
+        let iron = self.iron.and_then(|iron| iron.resolve(&mut tables.key("iron")));
         let sensor = self.sensor.map(|sensor| sensor.resolve(&mut tables.key("sensor")));
         let mut neighbour_faults = tables.key("neighbour").faults;
         let neighbour = self.neighbour.and_then(|film| film.resolve(read_neighbour, &mut neighbour_faults));
+        if iron.is_some() && neighbour.is_some() {
+            // The neighbour has images in the iron, too.
+            tables.key("iron").faults.add("stands beside [tolerance.neighbour], must be alone: leave one of them out");
+        }
+        if iron.is_some() && present.plane {
+            tables.key("iron").faults.add("stands beside [[plane]], must be alone: leave one of them out");
+        }
         if faults.count() > before {
             return None;
         }
         let (film, sensor) = (film.unwrap_or_default(), sensor.unwrap_or_default());
-        let common = CommonErrors { film, stray_field, neighbour, temperature, sensor };
+        let common = CommonErrors { film, stray_field, neighbour, iron, temperature, sensor };
         let (samples, seed) = (self.samples.unwrap_or(defaults.samples), self.seed.unwrap_or(defaults.seed));
         let found = FilmTolerance { tiles: of_tiles, groups, common, samples, seed };
         remark(&found, present, faults);
@@ -164,6 +176,7 @@ impl ToleranceTable {
             film: (common.film != FilmPose::default()).then(|| (&common.film).into()),
             stray_field: common.stray_field.as_ref().map(Into::into),
             neighbour: common.neighbour.as_ref().map(Into::into),
+            iron: common.iron.as_ref().map(Into::into),
             temperature: common.temperature.as_ref().map(Into::into),
             sensor: (common.sensor != SensorErrors::default()).then(|| (&common.sensor).into()),
             kind: BTreeMap::new(),

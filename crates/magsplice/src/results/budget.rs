@@ -2,9 +2,7 @@
 
 use magsplice_decouple::{Figures, PerAxis};
 use magsplice_layout::Layout;
-use magsplice_tolerance::{
-    AxisBudget, Budget, Cause, EndlessPattern, EndlessPatternError, Estimate, FirstOrder, SampleError, Sampler,
-};
+use magsplice_tolerance::{AxisBudget, Budget, Cause, EndlessPattern, Estimate, FirstOrder, SampleError, Sampler};
 use serde::Serialize;
 
 use super::source::Source;
@@ -81,16 +79,20 @@ impl Film {
     /// If the layout has no ideal film, no working volume or no errors, or a sample has no
     /// displacement errors.
     pub fn budget(&self, seed: u64, samples: u64) -> Result<FilmBudget, FilmError> {
-        let tiles = self.layout().tiles.len() as f64;
+        let layout = self.layout();
+        let tiles = layout.tiles.len() as f64;
         let volume = self.evaluation_grid(BYTES_OF_SAMPLES + BYTES_PER_TILE * tiles)?;
         let (real, ideal) = (self.real_film()?, self.ideal()?);
         let of_sample = |(sample, error): (u64, SampleError)| FilmError::Sample { sample, error };
         let in_film = real.in_film(real.tiles()).map_err(|faults| of_sample((0, SampleError::Tile(faults))))?;
-        let pattern: Result<Figures, EndlessPatternError> =
-            EndlessPattern::new(&in_film, ideal).and_then(|pattern| match self.head() {
-                Some(head) => pattern.errors_of_head(&volume, head),
-                None => pattern.errors(&volume),
-            });
+        let of_pattern = |pattern: EndlessPattern| match self.head() {
+            Some(head) => pattern.errors_of_head(&volume, head),
+            None => pattern.errors(&volume),
+        };
+        let pattern: Result<Figures, String> = match layout.iron.is_empty() {
+            true => EndlessPattern::new(&in_film, ideal).and_then(of_pattern).map_err(|error| error.to_string()),
+            false => Err("the ideal film has no iron behind it".to_owned()),
+        };
         let model = FirstOrder::new(&real, &volume, ideal).map_err(|error| of_sample((0, error)))?;
         let sampler = Sampler::new(&real, &volume, ideal, seed).map_err(|error| of_sample((0, error)))?;
         let counted = self.counting("budget", None, "samples");
@@ -102,7 +104,6 @@ impl Film {
             let pattern = pattern.as_ref().ok();
             Budget::from_samples(&real, &volume, ideal, pattern, seed, 0..samples, &counted).map_err(of_sample)?
         };
-        let layout = self.layout();
         let [x, y, z] = budget.axes.each_ref().map(|axis| axis.pattern_mm2);
         let endless_pattern_mm2 = x.zip(y).zip(z).map(|((x, y), z)| PerAxis { x, y, z });
         // The end of the film compensates a pattern where it adds a negative mean square.
@@ -117,7 +118,7 @@ impl Film {
             is_first_order,
             parts: parts(layout, &budget, is_first_order, with_pattern),
             endless_pattern_mm2,
-            no_pattern: pattern.err().map(|error| error.to_string()),
+            no_pattern: pattern.err(),
             total_mm2: budget.axes.each_ref().map(|axis| axis.total_mm2).into(),
             sampled_mm2: check.axes.map(|axis| axis.sampled_mm2).into(),
             mean_square_ratio: check.axes.map(|axis| axis.mean_square_ratio).into(),
@@ -183,6 +184,7 @@ fn cause(layout: &Layout, cause: Cause) -> String {
         Cause::StrayField => "stray field",
         Cause::Neighbour => "neighbouring film",
         Cause::Temperature => "temperature",
+        Cause::Iron => "iron nearby",
         Cause::SensorOffset => "sensor offset",
         Cause::SensorRotation => "sensor rotation",
         Cause::SensorGain => "sensor gain",

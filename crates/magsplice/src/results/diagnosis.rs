@@ -7,7 +7,6 @@ use magsplice_layout::{FilmTolerance, Layout, Preset};
 use magsplice_magnet::{Quantity, Tile, TileError};
 use magsplice_scan::{
     Candidate, ColumnFault, DetectedError, Diagnosis, ErrorKind, Exclusion, FreeParameters, NarrowedError, ScanError,
-    StillPositions, StuckAxis,
 };
 use magsplice_sensor::Noise;
 use serde::Serialize;
@@ -188,9 +187,12 @@ impl Film {
             return Err(FilmError::Scan(ScanError::TooFew { readings: 0, excluded: unusable.len(), needed: 1 }));
         }
         // No search explains them, and it takes minutes. Readings without noise may be 0 on a line.
-        let stuck = StuckAxis::among(&usable_t).filter(|stuck| stuck.reading_t != 0.0).map(ColumnFault::Stuck);
-        let still = || StillPositions::among(points_mm, &usable_t).map(ColumnFault::Still);
-        if let Some(fault) = stuck.or_else(still) {
+        let is_certain = |fault: &ColumnFault| match fault {
+            ColumnFault::Stuck(stuck) => stuck.reading_t != 0.0,
+            ColumnFault::Still(_) => true,
+            _ => false,
+        };
+        if let Some(fault) = ColumnFault::among(points_mm, &usable_t).filter(is_certain) {
             return Err(FilmError::Scan(ScanError::Columns(fault)));
         }
         let field_t =

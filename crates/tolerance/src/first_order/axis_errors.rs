@@ -103,8 +103,8 @@ impl FirstOrder {
                 sums.shift_by(term.mean, column);
             }
         }
-        if let Some(changes_mm) = &self.by_neighbour_mm {
-            causes.entry(Cause::Neighbour).or_default().shift_by(1.0, self.along(changes_mm, axis));
+        if let Some((cause, changes_mm)) = &self.by_surroundings_mm {
+            causes.entry(*cause).or_default().shift_by(1.0, self.along(changes_mm, axis));
         }
         if self.has_noise() {
             let sums = causes.entry(Cause::SensorNoise).or_default();

@@ -2,10 +2,11 @@
 
 use glam::DVec3;
 use magsplice_ideal::IdealFilm;
-use magsplice_magnet::{Axis, PerTileError, TileError};
+use magsplice_layout::CommonErrors;
+use magsplice_magnet::{Axis, PerTileError, Reflection, TileError};
 
 use super::displacement::{Displacement, OMITTED, displacement_errors_mm};
-use super::sources::{ErrorSource, Moments, SensorError, noise_moments, sources};
+use super::sources::{Cause, ErrorSource, Moments, SensorError, noise_moments, sources};
 use super::tile_response::TileResponse;
 use crate::evaluation_grid::{EvaluationGrid, SampleError};
 use crate::low_rank::{LowRank, add};
@@ -14,6 +15,9 @@ use crate::sampler::Sampler;
 
 /// Most bytes of sensitivities. A film of 800 tiles with all errors has 93 MB at 405 points.
 const LARGEST_BYTES: usize = 1 << 31;
+
+/// Bytes of the derivatives of the field of one tile at a place, and of the pose of the film.
+const BYTES_PER_PLACE: usize = 512;
 
 /// One error of a film to first order.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -29,8 +33,8 @@ pub struct ErrorTerm {
 /// The displacement errors of a film as linear functions of all its errors (docs/physics.md, Eq.
 /// P55).
 ///
-/// The derivatives are exact, at the film without errors beside its neighbour. The field of the
-/// neighbour is not linearized.
+/// The derivatives are exact, at the film without errors beside its neighbour and iron at its mean
+/// distance. Their fields are not linearized.
 ///
 /// # Units
 /// Displacements in millimetres, flux densities in tesla, angles in radians.
@@ -67,10 +71,11 @@ pub struct FirstOrder {
     pub(super) film: RealFilm,
     pub(super) ideal: IdealFilm,
     pub(super) points: usize,
-    /// Displacement errors without errors and neighbour: x at all points, then y, then z.
+    /// Displacement errors without errors, neighbour and iron near the film: x at all points, then
+    /// y, then z.
     pub(super) nominal_mm: Vec<f64>,
-    /// Their change by the neighbour.
-    pub(super) by_neighbour_mm: Option<Vec<f64>>,
+    /// Their change by a neighbour, or by iron.
+    pub(super) by_surroundings_mm: Option<(Cause, Vec<f64>)>,
     /// Their expectation.
     pub(super) mean_mm: Vec<f64>,
     pub(super) terms: Vec<ErrorTerm>,
@@ -105,7 +110,9 @@ impl FirstOrder {
         let last = points.len() - 1;
         let sources = sources(film);
         let active = sources.iter().filter(|(_, moments)| *moments != Moments::default()).count();
-        let bytes = active.checked_mul(2 * 3 * size_of::<f64>()).and_then(|bytes| bytes.checked_mul(last));
+        let columns = active.checked_mul(2 * 3 * size_of::<f64>()).and_then(|bytes| bytes.checked_mul(last));
+        let images = sampler.places().len().checked_mul(sampler.images().reflections.len() * BYTES_PER_PLACE);
+        let bytes = columns.zip(images).map(|(columns, images)| columns.max(images));
         if bytes.is_none_or(|bytes| bytes > LARGEST_BYTES) {
             return Err(SampleError::TooLarge { bytes });
         }
@@ -113,19 +120,25 @@ impl FirstOrder {
             return Err(SampleError::NotBelow { point: *point });
         }
         let film_t = sampler.film_t()?;
-        let nominal_mm = displacement_errors_mm(points, &sampler.sum_t(&film_t), ideal)?;
-        let neighbour = film.tolerance().common.neighbour.as_ref();
-        let is_later = neighbour.is_some_and(|neighbour| neighbour.later);
-        let with_neighbour = |(place, (film, other)): (usize, (&DVec3, &DVec3))| {
-            let is_first = place % points.len() == last;
-            if is_first && is_later { *film } else { film + other }
+        let CommonErrors { neighbour, iron, .. } = &film.tolerance().common;
+        let own_t = match iron {
+            Some(_) => sampler.with_images_t(&film_t[..sampler.places().len()]),
+            None => sampler.with_images_t(&film_t),
         };
-        let at_places_t = film_t.iter().zip(sampler.neighbour_t()).enumerate().map(with_neighbour);
+        let nominal_mm = displacement_errors_mm(points, &sampler.sum_t(&own_t), ideal)?;
+        let is_later = neighbour.as_ref().is_some_and(|neighbour| neighbour.later);
+        let with_neighbour = |(place, (film, other)): (usize, (DVec3, &DVec3))| {
+            let is_first = place % points.len() == last;
+            if is_first && is_later { film } else { film + *other }
+        };
+        let film_and_images_t = sampler.with_images_t(&film_t).into_iter();
+        let at_places_t = film_and_images_t.zip(sampler.neighbour_t()).enumerate().map(with_neighbour);
         let fields = Fields { at_places_t: at_places_t.collect(), film_t };
         let read_t = sampler.sum_t(&fields.at_places_t);
         let errors_mm = displacement_errors_mm(points, &read_t, ideal)?;
-        let by_neighbour_mm =
-            neighbour.map(|_| errors_mm.iter().zip(&nominal_mm).map(|(all, own)| all - own).collect());
+        let cause = neighbour.as_ref().map(|_| Cause::Neighbour).or(iron.as_ref().map(|_| Cause::Iron));
+        let by_surroundings_mm =
+            cause.map(|cause| (cause, errors_mm.iter().zip(&nominal_mm).map(|(all, own)| all - own).collect()));
 
         let displacement = Displacement::new(points, &read_t, ideal)?;
         let (mut terms, mut sensitivities) = (Vec::new(), Vec::new());
@@ -161,7 +174,7 @@ impl FirstOrder {
             ideal: *ideal,
             points: last,
             nominal_mm,
-            by_neighbour_mm,
+            by_surroundings_mm,
             mean_mm,
             terms,
             sensitivities,
@@ -203,29 +216,31 @@ impl FirstOrder {
     }
 }
 
-/// The fields at the places of the sensors, see [`Sampler::places`].
+/// The fields at the places of the sensors.
 struct Fields {
-    /// Of the film.
+    /// Of the film, at [`Sampler::places_and_images`].
     film_t: Vec<DVec3>,
-    /// Of the film and its neighbour.
+    /// Of the film, its images and its neighbour, at [`Sampler::places`].
     at_places_t: Vec<DVec3>,
 }
 
 /// Calls a function with the derivative of all readings by each error, in the order of [`sources`].
 fn for_each_derivative(sampler: &Sampler, fields: &Fields, mut each: impl FnMut(&[DVec3])) -> Result<(), SampleError> {
-    let (film, points, places) = (sampler.film(), sampler.points(), sampler.places());
-    let none = vec![DVec3::ZERO; places.len()];
+    let (film, points, images) = (sampler.film(), sampler.points(), sampler.images());
+    let (places, in_film_mm) = (sampler.places(), sampler.places_and_images());
+    let none = vec![DVec3::ZERO; in_film_mm.len()];
     let tolerance = film.tolerance();
     let mut of_groups = vec![PerTileError::from_fn(|_| none.clone()); tolerance.groups.len()];
     let pose = [TileError::Position, TileError::Rotation].map(|kind| Axis::ALL.map(kind));
     let mut of_pose = vec![none.clone(); pose.as_flattened().len()];
     let in_film = film.in_film(film.tiles()).map_err(SampleError::Tile)?;
+    let read_t = |of_film_t: &[DVec3]| sampler.sum_t(&sampler.with_images_t(of_film_t));
     for (number, tile) in in_film.iter().enumerate() {
-        let response = TileResponse::new(number, tile, &places)?;
+        let response = TileResponse::new(number, tile, &in_film_mm)?;
         for error in TileError::ALL {
             let mut changes_t = none.clone();
             response.add_derivative(error, tile.position(), &mut changes_t);
-            each(&sampler.sum_t(&changes_t));
+            each(&read_t(&changes_t));
         }
         for (error, sum) in pose.as_flattened().iter().zip(&mut of_pose) {
             response.add_derivative(*error, film.centre_mm(), sum);
@@ -237,22 +252,46 @@ fn for_each_derivative(sampler: &Sampler, fields: &Fields, mut each: impl FnMut(
             }
         }
     }
-    of_groups.iter().flat_map(PerTileError::values).for_each(|changes_t| each(&sampler.sum_t(changes_t)));
+    of_groups.iter().flat_map(PerTileError::values).for_each(|changes_t| each(&read_t(changes_t)));
+    // The change of the field at each place by a motion of the places at which the film is read.
+    let by_motion = |motion_mm: &dyn Fn(&Reflection, usize) -> DVec3| {
+        let of_places = images.reflections.iter().flat_map(|image| (0..places.len()).map(move |place| (image, place)));
+        let change = |(index, (image, place)): (usize, (&Reflection, usize))| {
+            let motion_mm = motion_mm(image, place);
+            -(motion_mm.x * of_pose[0][index] + motion_mm.y * of_pose[1][index] + motion_mm.z * of_pose[2][index])
+        };
+        sampler.with_images_t(&of_places.enumerate().map(change).collect::<Vec<_>>())
+    };
+    // A sensor that moves past the film and the iron that moves with it.
+    let by_sensor = |moved: &dyn Fn(usize) -> DVec3| by_motion(&|image, place| image.motion(moved(place)));
+    let near_iron = tolerance.common.iron.as_ref();
     let last = points.len() - 1;
     for source in ErrorSource::common(film.chips().len()) {
         let changes_t: Vec<DVec3> = match source {
-            ErrorSource::FilmPosition(axis) => of_pose[axis].clone(),
-            ErrorSource::FilmRotation(axis) => of_pose[3 + axis].clone(),
+            ErrorSource::FilmPosition(axis) if images.moves => by_sensor(&|_| -DVec3::AXES[axis]),
+            ErrorSource::FilmPosition(axis) => sampler.with_images_t(&of_pose[axis]),
+            ErrorSource::FilmRotation(axis) if images.moves => {
+                let turn = DVec3::AXES[axis];
+                let moved_t = by_sensor(&|place| -turn.cross(places[place] - film.centre_mm()));
+                let turned_t = sampler.with_images_t(&fields.film_t).into_iter().map(|b_t| turn.cross(b_t));
+                turned_t.zip(moved_t).map(|(turned_t, moved_t)| turned_t + moved_t).collect()
+            }
+            ErrorSource::FilmRotation(axis) => sampler.with_images_t(&of_pose[3 + axis]),
             ErrorSource::StrayField(axis) => vec![DVec3::AXES[axis]; places.len()],
+            // The places move by twice the motion of the iron, away from the film.
+            ErrorSource::IronDistance => by_motion(&|image, _| match near_iron {
+                Some(iron) if *image != Reflection::NONE => -2.0 * iron.normal,
+                _ => DVec3::ZERO,
+            }),
             ErrorSource::Sensor { sensor, error } => {
                 let own = sensor * points.len()..(sensor + 1) * points.len();
-                let mut changes_t = none.clone();
-                changes_t[own.clone()].copy_from_slice(&of_sensor(error, &fields.at_places_t[own.clone()], |axis| {
-                    &of_pose[axis][own.clone()]
-                }));
+                let mut changes_t = vec![DVec3::ZERO; places.len()];
+                let moved_t = |axis: usize| by_sensor(&|_| DVec3::AXES[axis]);
+                let of_all = of_sensor(error, &fields.at_places_t, moved_t);
+                changes_t[own.clone()].copy_from_slice(&of_all[own]);
                 changes_t
             }
-            _ => fields.film_t.clone(),
+            _ => sampler.with_images_t(&fields.film_t),
         };
         let later = match source {
             ErrorSource::StrayField(_) => tolerance.common.stray_field.as_ref().is_some_and(|field| field.later),
@@ -273,15 +312,14 @@ fn for_each_derivative(sampler: &Sampler, fields: &Fields, mut each: impl FnMut(
     Ok(())
 }
 
-/// The derivatives of the readings of one sensor by its error, from the readings and their
-/// derivatives by the position of the film along each axis.
-fn of_sensor<'a>(error: SensorError, read_t: &[DVec3], by_film: impl Fn(usize) -> &'a [DVec3]) -> Vec<DVec3> {
+/// The derivatives of the readings of a sensor by its error, from the readings and their
+/// derivatives by its position along each axis.
+fn of_sensor(error: SensorError, read_t: &[DVec3], by_position: impl Fn(usize) -> Vec<DVec3>) -> Vec<DVec3> {
     match error {
         SensorError::Offset(axis) => vec![DVec3::AXES[axis]; read_t.len()],
         // Axes that turn one way see the field turn the other way.
         SensorError::Rotation(axis) => read_t.iter().map(|b_t| b_t.cross(DVec3::AXES[axis])).collect(),
         SensorError::Gain(axis) => read_t.iter().map(|b_t| *b_t * DVec3::AXES[axis]).collect(),
-        // The film moves the other way past the sensor.
-        SensorError::Position(axis) => by_film(axis).iter().map(|change_t| -*change_t).collect(),
+        SensorError::Position(axis) => by_position(axis),
     }
 }

@@ -39,6 +39,8 @@ pub enum ErrorSource {
     StrayField(usize),
     /// Relative change of the strength of all tiles after the reading at the reference point.
     Temperature,
+    /// Distance of iron near the film.
+    IronDistance,
     /// An error of the sensor, or of one sensor of a head.
     Sensor {
         /// Index of the sensor.
@@ -99,6 +101,8 @@ pub enum Cause {
     Neighbour,
     /// Change of temperature.
     Temperature,
+    /// Iron near the film.
+    Iron,
     /// Offset of the sensor.
     SensorOffset,
     /// Rotation of the sensor.
@@ -134,6 +138,7 @@ impl ErrorSource {
             ErrorSource::FilmPosition(_) | ErrorSource::FilmRotation(_) => Cause::FilmPose,
             ErrorSource::StrayField(_) => Cause::StrayField,
             ErrorSource::Temperature => Cause::Temperature,
+            ErrorSource::IronDistance => Cause::Iron,
             ErrorSource::Sensor { error: SensorError::Offset(_), .. } => Cause::SensorOffset,
             ErrorSource::Sensor { error: SensorError::Rotation(_), .. } => Cause::SensorRotation,
             ErrorSource::Sensor { error: SensorError::Gain(_), .. } => Cause::SensorGain,
@@ -147,7 +152,10 @@ impl ErrorSource {
     /// several sensors.
     pub(crate) fn common(sensors: usize) -> impl Iterator<Item = ErrorSource> {
         let kinds = [ErrorSource::FilmPosition, ErrorSource::FilmRotation, ErrorSource::StrayField];
-        let of_film = kinds.into_iter().flat_map(|kind| [0, 1, 2].map(kind)).chain([ErrorSource::Temperature]);
+        let of_film = kinds
+            .into_iter()
+            .flat_map(|kind| [0, 1, 2].map(kind))
+            .chain([ErrorSource::Temperature, ErrorSource::IronDistance]);
         let of_sensor = |sensor: usize| SensorError::all().map(move |error| ErrorSource::Sensor { sensor, error });
         of_film.chain((0..sensors).flat_map(of_sensor))
     }
@@ -205,7 +213,10 @@ pub(crate) fn sources(film: &RealFilm) -> Vec<(ErrorSource, Moments)> {
                 SensorError::Gain(axis) => &common.sensor.gain[axis],
                 SensorError::Position(axis) => &common.sensor.position_mm[axis],
             }),
-            // The temperature, alone among the common errors, has no axis.
+            ErrorSource::IronDistance => {
+                common.iron.as_ref().map_or(Moments::default(), |iron| Moments::new(&iron.distance_error_mm))
+            }
+            // The temperature; the others are not common.
             _ => common.temperature.as_ref().map_or(Moments::default(), |temperature| {
                 Moments::new(&temperature.change_k).scaled(temperature.strength_per_k)
             }),

@@ -178,7 +178,7 @@ fn sample_has_the_field_of_its_neighbour() {
     let tiles = film(&TileErrors::default()).tiles().to_vec();
     let mut tolerance = FilmTolerance::default();
     let alone = RealFilm::new(&tiles, &tolerance).sample(1, 2).expect("valid");
-    assert!(alone.neighbour().is_none());
+    assert!(alone.beside().is_none());
     let beside = vec![Tile::new(DVec3::new(20.0, 0.0, 0.0), DVec3::ONE, DVec3::Z).expect("valid")];
     tolerance.common.neighbour = Some(Neighbour {
         tiles: beside.clone(),
@@ -190,7 +190,7 @@ fn sample_has_the_field_of_its_neighbour() {
     let sample = RealFilm::new(&tiles, &tolerance).sample(1, 2).expect("valid");
     let place = DVec3::new(15.0, 1.0, -4.0);
     let field_t = |scene: &Scene| scene.field(Quantity::FluxDensity, place).expect("outside");
-    assert_eq!(field_t(sample.neighbour().expect("a neighbour")), field_t(&Scene::new(&beside)));
+    assert_eq!(field_t(sample.beside().expect("a neighbour")), field_t(&Scene::new(&beside)));
 }
 
 /// A film with recoil keeps its places with other errors, and its tiles have the polarization of

@@ -2,3 +2,5 @@
 
 /// Endless splicing patterns, against very large films.
 mod endless_pattern;
+/// Iron near shipped films.
+mod iron;

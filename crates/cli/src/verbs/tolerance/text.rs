@@ -169,13 +169,14 @@ fn tile_errors(tolerance: &FilmTolerance) -> String {
 
 /// The names of the other causes.
 fn other_errors(tolerance: &FilmTolerance) -> String {
-    let CommonErrors { film, stray_field, neighbour, temperature, sensor } = &tolerance.common;
+    let CommonErrors { film, stray_field, neighbour, iron, temperature, sensor } = &tolerance.common;
     let groups = counted(tolerance.groups.len(), "group of tiles", "groups of tiles");
     let named = [
         (!tolerance.groups.is_empty(), groups.as_str()),
         (*film != FilmPose::default(), "pose of the film"),
         (stray_field.is_some(), "stray field"),
         (neighbour.is_some(), "neighbouring film"),
+        (iron.is_some(), "iron nearby"),
         (temperature.is_some(), "temperature"),
         (*sensor != SensorErrors::default(), "sensor"),
     ];

@@ -183,12 +183,12 @@ const COMMON: &str = "[tolerance.film]\nposition_mm = 0.2\nrotation_deg = [0, 0,
 
 #[test]
 fn common_errors_are_read_in_their_units() {
-    let CommonErrors { film, stray_field, neighbour, temperature, sensor } = tolerance(COMMON).common;
+    let CommonErrors { film, stray_field, neighbour, iron, temperature, sensor } = tolerance(COMMON).common;
     assert_eq!((film.position_mm, film.rotation_rad), (normal([0.2; 3]), degrees([0.0, 0.0, 0.5])));
     let field_t = [Distribution::Fixed(5e-5), Distribution::NONE, Distribution::NONE];
     let any_direction_t = Distribution::Fixed(2e-5);
     assert_eq!(stray_field, Some(StrayField { field_t, any_direction_t, later: true }));
-    assert_eq!(neighbour, None);
+    assert_eq!((neighbour, iron), (None, None));
     assert_eq!(temperature, Some(Temperature { change_k: Distribution::Fixed(10.0), strength_per_k: -0.0012 }));
     let wanted = SensorErrors {
         position_mm: normal([0.03, 0.0, 0.0]),

@@ -123,6 +123,27 @@ fn each_rule_states_value_and_place() {
             with("[tolerance.neighbour]\nlayout = \"/dev/zero\"\nposition_mm = [0, 0, -12]"),
             "layout = \"/dev/zero\": cannot be read: it is not a regular file",
         ),
+        (with("[tolerance.iron]\ndistance_mm = 0"), "tolerance.iron: distance_mm = 0, must be above 0"),
+        (
+            with("[tolerance.iron]\ndistance_mm = 1\ndistance_error_mm = 0.1"),
+            "tolerance.iron: distance_error_mm reaches the film in some samples, must be less than distance_mm = 1",
+        ),
+        (
+            with("[tolerance.iron]\ndistance_mm = 1\ndistance_error_mm = { normal = 0.5, within = 1 }"),
+            "distance_error_mm reaches the film in some samples",
+        ),
+        (
+            with("[tolerance.iron]\ndistance_mm = 1\nrelative_permeability = 0.5"),
+            "tolerance.iron: relative_permeability = 0.5, must be at least 1, or inf",
+        ),
+        (
+            with("[tolerance.iron]\ndistance_mm = 1\nnormal = [0, 0, 0]"),
+            "tolerance.iron: normal = [0, 0, 0] has no direction",
+        ),
+        (
+            with("[tolerance.iron]\ndistance_mm = 1\n[[plane]]\npoint_mm = [0, 0, 90]\nnormal = [0, 0, -1]"),
+            "tolerance.iron: stands beside [[plane]], must be alone",
+        ),
         (
             strength_of("{ file = \"/dev/zero\" }"),
             "strength: file \"/dev/zero\": cannot be read: it is not a regular file",

@@ -41,6 +41,10 @@ fn layouts_are_written_with_their_tolerances() {
         "[tolerance]\npreset = \"by-hand\"\nsamples = 123\nseed = 456".to_owned(),
         COMMON.to_owned(),
         "[tolerance.stray_field]\nwhen = \"after\"".to_owned(),
+        "[tolerance.iron]\ndistance_mm = 1.5".to_owned(),
+        "[tolerance.iron]\ndistance_mm = 1.5\ndistance_error_mm = { uniform = 0.5 }\nnormal = [0.1, 0, 2]\n\
+         relative_permeability = 900\nwhen = \"before\""
+            .to_owned(),
         // Each error differs in one tile from that of the others.
         "[tolerance]\nposition_mm = 0.05\nrotation_deg = 0.4\nsize_mm = 0.03\nstrength = 0.02\ndirection_deg = 0.6\n\
          [[tolerance.tile]]\ntiles = [\"bar\"]\nposition_mm = 0.01\nrotation_deg = 0.1\nsize_mm = 0.015\n\
