@@ -1,6 +1,7 @@
 //! Making of films: the assignment of measured tiles to places, with orientations.
 //!
 //! * [`MeasuredBox`]: measured tiles, sorted by the parts of a layout; each is a [`CutTile`].
+//! * [`CommonTurn`]: a turn that all measured tiles of a part have in common.
 //! * [`PartlyPlaced`]: a film with some tiles already placed.
 //! * [`Orientation`]: one of the 24 ways in which a cuboid fits an upright box.
 //! * [`AssignmentProblem`]: tiles, places, and their effects on the displacement errors.
@@ -16,6 +17,8 @@
 
 /// Tiles, places, and the tile of each place.
 mod assignment;
+/// A turn that all measured tiles of a part have in common.
+mod common_turn;
 /// Local searches for the tile of each place.
 mod local_search;
 /// A box of measured tiles, sorted by the parts of a layout.
@@ -36,6 +39,7 @@ mod shims;
 mod sorted_films;
 
 pub use assignment::{Assignment, AssignmentError, AssignmentSettings, CutTile, PlaceGroup, PlacedTile, ShortGroup};
+pub use common_turn::CommonTurn;
 pub use measured_box::{MeasuredBox, MeasuredMagnet, MeasuredTile};
 pub use measurement::MeasurementErrors;
 pub use orientation::Orientation;

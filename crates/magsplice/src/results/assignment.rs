@@ -3,7 +3,8 @@
 use magsplice_layout::{Distribution, FilmTolerance, Layout, MAX_NAME_BYTES, Part};
 use magsplice_magnet::Tile;
 use magsplice_making::{
-    AssignmentError, AssignmentProblem, AssignmentSettings, MeasurementErrors, Orientation, PartlyPlaced, PlanRow,
+    AssignmentError, AssignmentProblem, AssignmentSettings, CommonTurn, MeasurementErrors, Orientation, PartlyPlaced,
+    PlanRow,
 };
 use magsplice_tolerance::{RealFilm, Statistics, TileChanges};
 use serde::Serialize;
@@ -61,6 +62,9 @@ pub struct FilmAssignment {
     /// The tiles where they lie or will lie.
     #[serde(skip)]
     pub tiles: Vec<Tile>,
+    /// Turns that all measured tiles of a part have in common.
+    #[serde(skip)]
+    pub common_turns: Vec<CommonTurn>,
 }
 
 /// A tile whose strength is chosen.
@@ -152,6 +156,7 @@ impl Film {
             shims: shims.iter().map(shim).collect(),
             plan: plan.into_iter().map(|(_, row)| row).collect(),
             tiles,
+            common_turns: partly.groups.iter().filter_map(CommonTurn::of).collect(),
         })
     }
 

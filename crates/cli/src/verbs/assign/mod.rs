@@ -117,6 +117,9 @@ pub(crate) fn run(args: &AssignArgs, quiet: bool) -> Result<(), Failure> {
     };
     let found = film.assign(&partly, &shims, &settings, args.errors.errors());
     let found = found.map_err(|error| assignment_failure(args, &session, error))?;
+    for turn in &found.common_turns {
+        session.tell(&format!("{}: {turn}", args.measured.display()));
+    }
     let assigned = layout_text(args, &film, &found, measured.has_sizes)?;
     session.progress.end();
 
