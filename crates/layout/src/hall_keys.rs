@@ -74,9 +74,6 @@ pub(crate) struct StatedHall {
 /// A key with a number for each axis: its name, unit and rule, as it is written, and in memory.
 type AxisKey<'k> = (&'static str, ErrorUnit, Rule, &'k mut Option<OneOrThree>, &'k mut DVec3);
 
-/// Number of the first keys for which parts have numbers of their own.
-const OF_PARTS: usize = 3;
-
 const GAIN: Rule = Rule {
     is_kept: |gain| GAIN_MAGNITUDES.contains(&gain.abs()),
     words: "must be from 1e-6 to 1e6, or from -1e6 to -1e-6",
@@ -205,7 +202,7 @@ const RESOLUTION: Rule = Rule {
     words: "must be a whole number from 0 to 3",
 };
 
-/// The keys of a sensor, with all numbers written out that a perfect one does not have.
+/// The keys of a sensor, with all numbers that its part, or a perfect one, does not have.
 impl From<&StatedHall> for HallKeys {
     fn from(StatedHall { part, setting, rotation, element, .. }: &StatedHall) -> HallKeys {
         let mut perfect = HallSensor::default();
@@ -227,10 +224,18 @@ impl From<&StatedHall> for HallKeys {
             plates_mm: x.or(y).or(z).map(|_| PlatesTable { x, y, z }),
             ..HallKeys::default()
         };
+        let of_part = part.as_deref().and_then(Part::named).unwrap_or_default();
+        let mut noise = HallKeys { noise_ut: of_part.noise_ut, ..HallKeys::default() };
+        for (_, unit, _, written, value) in noise.keys(&mut perfect) {
+            *value = written.map_or(*value, |written| DVec3::from(written).map(|value| unit.read(value)));
+        }
+        if let Some(scale) = of_part.scale(setting.or(of_part.default_setting())) {
+            (perfect.count_t, perfect.range_t) = (scale.count_t, scale.range_t);
+        }
         let defaults = HallKeys::default().keys(&mut perfect).map(|(.., value)| *value);
         for (index, (_, unit, _, written, value)) in table.keys(&mut element.clone()).into_iter().enumerate() {
-            // A part has numbers of its own, so a perfect value beside it must be written too.
-            let is_given = *value != defaults[index] || (index < OF_PARTS && part.is_some());
+            // The others follow from the part, also with another setting.
+            let is_given = *value != defaults[index];
             *written = (is_given && value.is_finite()).then(|| value.map(|value| unit.written(value)).into());
         }
         table
