@@ -29,7 +29,7 @@ use crate::text::units::in_deg;
 /// towards the second.
 #[derive(clap::Args)]
 #[command(
-    after_help = "Example:\n  magsplice tiles layouts/published-film.toml --kerf 0.2\n  magsplice tiles layouts/published-film.toml --format csv > cut-list.csv"
+    after_help = "Example:\n  magsplice tiles layouts/published-film.toml --kerf 0.2\n  magsplice tiles layouts/published-film.toml --format csv -o cut-list.csv"
 )]
 pub(crate) struct TilesArgs {
     /// Layout file
@@ -41,6 +41,9 @@ pub(crate) struct TilesArgs {
     /// length of bar that the parts need
     #[arg(long = "kerf", alias = "kerf-mm", value_name = "LENGTH", value_parser = kerf, allow_hyphen_values = true)]
     kerf_mm: Option<f64>,
+    /// File to write, complete or not at all [default: -, standard output]
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
     /// Write the film and its bill of materials as a page to print (HTML)
     #[cfg(feature = "report")]
     #[arg(long, value_name = "PAGE")]
@@ -57,17 +60,22 @@ pub(crate) fn run(args: &TilesArgs, quiet: bool) -> Result<(), Failure> {
     let session = Session::open(&args.layout, remarks::OF_TILES, quiet)?;
     #[cfg(feature = "report")]
     let page = session.page(args.page.as_deref(), None)?;
+    let output = args.output.as_deref().map(|path| session.output(Some(path), None)).transpose()?;
     let list = BillOfMaterials::new(&session.layout, args.kerf_mm);
     #[cfg(feature = "report")]
     if let Some(page) = page {
         let figure = parts_figure(&list, SvgText::Outlines)?;
         page.complete(&bill_page(&list, &figure))?;
     }
-    session.print(&match args.format {
+    let shown = match args.format {
         TilesFormat::Json => json::pretty(&list),
         TilesFormat::Text => format!("{}\n{}", text(&args.layout, &list), bill(&list)),
         TilesFormat::Csv => csv(&list),
-    })
+    };
+    match output {
+        Some(output) => output.complete(&shown),
+        None => session.print(&shown),
+    }
 }
 
 /// Between the names of tiles in one cell. A comma would look like the next cell.
