@@ -89,6 +89,11 @@ fn text(film: &Film, found: &FilmBudget) -> String {
     table.push(row(&sampled, found.sampled_mm2.to_array().map(|square| format!("{:<13}", rms(square)))));
     text += &rows::table(&COLUMNS, &table);
     text.push('\n');
+    if found.parts.iter().any(|part| part.mean_square_mm2.to_array().iter().any(|square| *square < 0.0)) {
+        let sentence = "a minus sign is the root of a mean square that is taken away: causes that partly cancel, or a \
+                        mean that brings the film nearer to the ideal one";
+        rows::prose(&mut text, sentence);
+    }
     if let Some(why) = &found.no_pattern {
         rows::prose(&mut text, &format!("the splicing pattern and the end of the film are not separated: {why}"));
     }
