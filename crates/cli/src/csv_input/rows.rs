@@ -81,13 +81,18 @@ impl<C> Rows<C> {
     }
 
     /// The names of columns, as the file has them.
-    pub(crate) fn names(&self, columns: &[Column]) -> String {
+    fn names(&self, columns: &[Column]) -> String {
         Finder::new(&self.table.names, None).listed(columns)
     }
 
-    /// The line of the names.
-    pub(crate) fn names_line(&self) -> u64 {
-        self.table.names_line
+    /// The remark on columns of one vector, such as "the coordinates", with different units.
+    pub(crate) fn remark_on_units(&self, columns: &[Column], what: &str) -> Option<String> {
+        let is_other = |column: &Column| !column.unit.is_same(columns[0].unit);
+        let (path, line) = (self.path.display(), self.table.names_line);
+        columns
+            .iter()
+            .any(is_other)
+            .then(|| format!("warning: {path}: line {line}: {what} have different units: {}", self.names(columns)))
     }
 
     /// The value of the next row with its line, or nothing for a row that has none. `None` at the

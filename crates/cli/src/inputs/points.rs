@@ -92,9 +92,8 @@ fn open(
     let units = Some(units.unwrap_or(&no_units));
     let rows =
         Rows::open(path, form, &example, units, |names| POSITION.fit(names), |finder| finder.required(&POSITION))?;
-    if rows.columns.iter().any(|column| !column.unit.is_same(rows.columns[0].unit)) {
-        let (path, line, names) = (path.display(), rows.names_line(), rows.names(&rows.columns));
-        tell(&format!("warning: {path}: line {line}: the coordinates have different units: {names}"));
+    if let Some(remark) = rows.remark_on_units(&rows.columns, "the coordinates") {
+        tell(&remark);
     }
     Ok(rows)
 }

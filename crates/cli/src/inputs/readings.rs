@@ -94,6 +94,11 @@ fn read(session: &Session, path: &Path, units: Option<&GivenUnits>, beside: Besi
         let message = "a scan needs the readings of one sensor, or the weighted sums of the head in bx, by, bz";
         return Err(Failure::at(path, message.to_owned()));
     }
+    let of_beside: Vec<Column> = rows.columns.beside.into_iter().flatten().flatten().collect();
+    let what = if has_positions { "the coordinates" } else { "the forces" };
+    let of_readings = |columns: &[Column; 3]| rows.remark_on_units(columns, "the readings");
+    let on_units = rows.remark_on_units(&of_beside, what).into_iter();
+    on_units.chain(rows.columns.sensors.iter().filter_map(of_readings)).for_each(|remark| session.tell(&remark));
     let mut readings_t = Vec::new();
     let (beside, lines) = rows.read_all(&|remark| session.tell(remark), |columns, cells| {
         row(columns, cells, has_positions, &mut readings_t)
