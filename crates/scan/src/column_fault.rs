@@ -4,6 +4,7 @@ use glam::DVec3;
 use magsplice_magnet::Axis;
 use thiserror::Error;
 
+use crate::frozen_log::FrozenLog;
 use crate::still_positions::StillPositions;
 use crate::stuck_axis::{StuckAxis, in_mt};
 
@@ -27,6 +28,9 @@ pub enum ColumnFault {
     /// A component is constant from one reading on.
     #[error("{0}")]
     Stuck(StuckAxis),
+    /// The readings do not change while the positions do.
+    #[error("{0} of the readings, at different positions: the log was frozen; leave them out")]
+    Frozen(FrozenLog),
     /// Readings at one position contradict each other.
     #[error("{0}")]
     Still(StillPositions),
@@ -38,6 +42,15 @@ pub enum ColumnFault {
 }
 
 impl ColumnFault {
+    /// Whether no film explains readings with this fault. Readings may be 0 on a line of symmetry.
+    pub fn is_certain(&self) -> bool {
+        match self {
+            ColumnFault::Stuck(stuck) => stuck.reading_t != 0.0,
+            ColumnFault::Still(_) | ColumnFault::Frozen(_) => true,
+            _ => false,
+        }
+    }
+
     /// The fault of these columns. A scan that fits may have it: components vanish on planes of
     /// symmetry, and a scan along a diagonal has equal coordinates.
     pub fn among(points: &[DVec3], readings_t: &[DVec3]) -> Option<ColumnFault> {
@@ -53,8 +66,10 @@ impl ColumnFault {
         let fields = equal(&finite).map(|(a, b)| ColumnFault::EqualFields(a, b));
         let stuck = || StuckAxis::among(readings_t).map(ColumnFault::Stuck);
         let still = || StillPositions::among(points, readings_t).map(ColumnFault::Still);
+        let moves = |frozen: &FrozenLog| points[frozen.rows()].iter().any(|point| *point != points[frozen.first]);
+        let frozen = || FrozenLog::among(readings_t).filter(moves).map(ColumnFault::Frozen);
         let positions = || equal(points).map(|(a, b)| ColumnFault::EqualPositions(a, b));
-        constant.or(fields).or_else(stuck).or_else(positions).or_else(still)
+        constant.or(fields).or_else(stuck).or_else(frozen).or_else(positions).or_else(still)
     }
 }
 

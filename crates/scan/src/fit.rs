@@ -231,7 +231,7 @@ pub fn fit_scan<'a>(
 }
 
 /// The start that brings the middle of the scan to `centre`.
-fn centred(points: &[DVec3], centre: Option<DVec3>) -> Option<Start> {
+pub(crate) fn centred(points: &[DVec3], centre: Option<DVec3>) -> Option<Start> {
     let lower = points.iter().copied().reduce(DVec3::min)?;
     let upper = points.iter().copied().reduce(DVec3::max)?;
     let parameters = ScanParameters { start: centre? - 0.5 * (lower + upper), ..ScanParameters::PERFECT };
@@ -341,7 +341,7 @@ fn rms_t(readings_t: &[DVec3]) -> f64 {
 
 /// Root mean square of a component of the readings of a fit, without their offset. An offset that a
 /// wrong fit invents does not enlarge it.
-fn root_mean_square(fit: &ScanFit, readings_t: &[DVec3]) -> f64 {
+pub(crate) fn root_mean_square(fit: &ScanFit, readings_t: &[DVec3]) -> f64 {
     let used = || (0..readings_t.len()).filter(|index| fit.exclusions[*index].is_none());
     let squares = |offset_t: DVec3| used().map(|index| (readings_t[index] - offset_t).length_squared()).sum::<f64>();
     let least = squares(fit.offset_t()).min(squares(DVec3::ZERO));

@@ -6,6 +6,7 @@ use thiserror::Error;
 use crate::column_fault::ColumnFault;
 use crate::exclusion::Plateau;
 use crate::parameters::ScanParameter;
+use crate::row_order::RowOrder;
 use crate::turned_film::FilmTurn;
 
 /// The reason why a scan cannot be fitted.
@@ -95,6 +96,9 @@ pub enum ScanError {
          positions and readings by {:.1} deg, or the film", 1e6 * .0.residual_t, .0.angle_deg, -.0.angle_deg
     )]
     Turned(FilmTurn),
+    /// The readings fit in another order.
+    #[error("{0}")]
+    RowOrder(RowOrder),
     /// The readings do not fit, and their columns have a fault.
     #[error("the layout does not explain the scan, and {0}")]
     Columns(ColumnFault),

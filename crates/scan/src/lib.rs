@@ -27,12 +27,18 @@ mod exclusion;
 mod fit;
 /// Errors of a fit.
 mod fit_error;
+/// A log that repeats one row.
+mod frozen_log;
 /// The least squares of a fit.
 mod least_squares;
 /// The parameters of a scan.
 mod parameters;
 /// The positions of a scan.
 mod positions;
+/// Another order of the readings of a scan.
+mod row_order;
+/// Positions and readings of a scan that are not in step.
+mod row_order_search;
 /// Computed scans of films as made.
 mod sample_scan;
 /// Changes of readings by the parameters of a scan.
@@ -64,9 +70,12 @@ pub use diagnosis::{
 pub use exclusion::{Exclusion, Plateau};
 pub use fit::{KNOWN_NOISE, PLAUSIBLE_STRENGTHS, ROUND_OFF, ScanField, fit_determined, fit_scan};
 pub use fit_error::ScanError;
+pub use frozen_log::FrozenLog;
 pub use least_squares::ScanFit;
 pub use parameters::{FreeParameters, ScanParameter, ScanParameters};
 pub use positions::ScanPositions;
+pub use row_order::RowOrder;
+pub use row_order_search::{find_row_order, is_row_order_likely};
 pub use sample_scan::{SampleScan, SampleScanError};
 pub use sensor_fault::SensorFault;
 pub use signed_axes::SignedAxes;

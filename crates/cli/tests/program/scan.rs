@@ -545,3 +545,48 @@ fn columns_that_no_scan_has_are_named() {
     let said = sandbox.run(&["scan", &film, "scan.csv", "--fit", "strength,offset"]);
     assert_eq!(said.status, 0, "{}", said.stderr);
 }
+
+/// Readings that are a row late, a column of positions that is, lines that were scanned to and fro,
+/// and a log that was frozen. The axes of the sensor have noise, so that no readings are equal.
+#[test]
+fn readings_in_another_order_are_named() {
+    let sandbox = Sandbox::new();
+    let film = sandbox.published_with("[sensor]\nnoise_ut = 2");
+    let sample = ["tolerance", "sample", &film, "--preset", "jig", "--scan", "made.csv"];
+    assert_eq!(sandbox.run(&sample).status, 0);
+    let made = rows(&sandbox.read("made.csv"));
+    let scan = |change: &dyn Fn(&mut [Vec<f64>])| {
+        let mut lines = made.clone();
+        change(&mut lines);
+        write(&sandbox, "x_mm,y_mm,z_mm,bx_t,by_t,bz_t", &lines);
+        sandbox.run(&["scan", &film, "scan.csv"])
+    };
+    assert_eq!(scan(&|_| ()).status, 0);
+    let moved = |lines: &mut [Vec<f64>], columns: std::ops::Range<usize>, rows: usize| {
+        for row in (rows..lines.len()).rev() {
+            let earlier = lines[row - rows][columns.clone()].to_vec();
+            lines[row][columns.clone()].copy_from_slice(&earlier);
+        }
+    };
+    scan(&|lines| moved(lines, 3..6, 1))
+        .refuses("the readings fit the positions 1 row earlier than their own far better");
+    let diagnose = ["diagnose", &film, "--scan", "scan.csv"];
+    sandbox.run(&diagnose).refuses("the readings fit the positions 1 row earlier than their own far better");
+    scan(&|lines| moved(lines, 0..3, 2))
+        .refuses("the readings fit the positions 2 rows later than their own far better");
+    scan(&|lines| moved(lines, 2..3, 1)).refuses("the readings fit z of the positions 1 row later than their own");
+    // Nine lines along y of five heights each, for each x.
+    let to_and_fro = |lines: &mut [Vec<f64>]| {
+        lines.chunks_mut(45).skip(1).step_by(2).flatten().for_each(|line| line[1] = -line[1]);
+    };
+    scan(&to_and_fro).refuses("the readings of every second line of the scan fit y in reversed order far better");
+    let frozen = scan(&|lines| {
+        let last = lines[300][3..].to_vec();
+        lines[300..].iter_mut().for_each(|line| line[3..].copy_from_slice(&last));
+    });
+    frozen.refuses("rows 301 to 405 are equal in all components of the readings, at different positions: the log was");
+    // Columns of different units are named before the fit fails.
+    sandbox.write("scan.csv", &sandbox.read("made.csv").replace("z_mm", "z_cm"));
+    let said = sandbox.run(&["scan", &film, "scan.csv"]);
+    assert!(said.stderr.contains("the coordinates have different units: x_mm, y_mm, z_cm"), "{}", said.stderr);
+}

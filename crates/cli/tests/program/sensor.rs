@@ -202,6 +202,11 @@ fn readings_with_other_axes_or_units_are_named() {
     let column = names.split(',').position(|name| name == "closed_form_dz_mm").expect("a column");
     assert!(found.iter().all(|row| row[column].is_nan()), "{}", other_unit.stdout);
     assert_eq!(read(|b| [b[0], b[1], b[2]]).stderr, "");
+    // The field at the reference point was set to zero.
+    let tared = read(|b| [b[0], b[1], b[2] - 1.659e-3]);
+    let named =
+        "the readings have positions with the field on the axis of the film added: the zero of the sensor was set";
+    assert!(tared.stderr.contains(named), "{}", tared.stderr);
     // The first reading is at a corner of the volume, not at the reference point.
     let elsewhere = sandbox.run(&["read", &film, "b.csv", "--zero", "1"]);
     let named = "several times the field of the earth: take them at the reference point of [volume]";

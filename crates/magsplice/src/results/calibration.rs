@@ -1,12 +1,13 @@
 //! The stiffness of the elastic layer, from forces and readings.
 
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 use magsplice_decouple::PerAxis;
 use magsplice_magnet::Axis;
 use magsplice_scan::Exclusion;
 use magsplice_sensor::{LocateError, Located, Stiffness, StiffnessError};
 use serde::Serialize;
 
+use super::force_log::LogFault;
 use super::head_fits::HeadFits;
 use super::readings::FilmReadings;
 use super::scan::ExcludedReadings;
@@ -17,35 +18,6 @@ use crate::film_error::FilmError;
 /// Largest ratio of the stiffness to that of Hooke's law, or of that to it: moduli of elastomers
 /// are known to a factor of ten, and units of forces differ by a hundred or a thousand.
 const MOST_RATIO: f64 = 50.0;
-
-/// Least share of the coefficients of a force, in the fit to displacements along all three axes,
-/// that its own axis has: axes turned by 60 degrees have it. Axes along which the film moves alike
-/// have a half each.
-const OWN_SHARE: f64 = 0.25;
-
-/// Least share of the variation of a force that the fit explains: other forces are noise.
-const EXPLAINED: f64 = 0.5;
-
-/// Least deviation of the displacement along an axis over the largest, without which a force along
-/// it tells nothing.
-const LEAST_MOTION: f64 = 0.2;
-
-/// Added to the correlations of the displacements, so that those along a line have a fit too, with
-/// equal shares: far above round-off and the noise of a sensor, far below a measured correlation.
-const RIDGE: f64 = 1e-3;
-
-/// Most rows by which forces are tried to be late or early against the readings.
-const MOST_SHIFT: i64 = 10;
-
-/// Least number of pairs for which another shift of the rows is no accident.
-const LEAST_SHIFTED: usize = 12;
-
-/// Unexplained share of the forces over that with the rows as they are, below which a shift of the
-/// rows is named: the residual is half.
-const SHIFTED: f64 = 0.25;
-
-/// Unexplained share of the forces up to which no shift is looked for: a residual of a tenth.
-const GOOD: f64 = 0.01;
 
 /// The reason for no stiffness along an axis without a column of forces.
 const NO_FORCES: &str = "no force along this axis";
@@ -67,12 +39,9 @@ pub struct FilmCalibration {
     pub by_closed_form: Option<PerAxis<Option<Stiffness>>>,
     /// The reasons why axes have no stiffness by the field of the layout.
     pub without_stiffness: PerAxis<Option<String>>,
-    /// Axes whose force follows displacements along other axes, if the film moves along all.
+    /// Faults of the log of forces and readings.
     #[serde(skip)]
-    pub exchanged: Vec<Axis>,
-    /// Rows by which the forces are later than the readings, if they fit them far better so.
-    #[serde(skip)]
-    pub late_rows: Option<i64>,
+    pub log_faults: Vec<LogFault>,
     /// Readings that the fit of an axis does not use, though it has other forces.
     pub excluded: ExcludedReadings,
     /// Other axes or another unit with which readings without a position have one.
@@ -122,11 +91,13 @@ impl FilmReadings {
         };
         let by_field = fit(&self.displacement_mm());
         let by_closed_form = self.closed_form_mm.as_deref().map(&mut fit);
+        let displacements_mm = self.displacement_mm();
+        let log_faults = LogFault::of_log(forces_n, &displacements_mm);
         if let Some((axis, error)) = first_error(&by_field) {
-            return Err(FilmError::Stiffness { axis, error, hint: self.hint.clone() });
+            let hint = log_faults.first().map(ToString::to_string).or(self.hint.clone());
+            return Err(FilmError::Stiffness { axis, error, hint });
         }
         let per_axis = |[x, y, z]: [Result<Stiffness, StiffnessError>; 3]| PerAxis { x: x.ok(), y: y.ok(), z: z.ok() };
-        let displacements_mm = self.displacement_mm();
         let reason = |axis: usize| {
             let error = by_field[axis].err()?;
             Some(if is_measured[axis] { error.to_string() } else { NO_FORCES.to_owned() })
@@ -139,70 +110,12 @@ impl FilmReadings {
             by_field: per_axis(by_field),
             by_closed_form: by_closed_form.map(per_axis),
             without_stiffness: PerAxis { x, y, z },
-            exchanged: exchanged(forces_n, &displacements_mm),
-            late_rows: late_rows(forces_n, &displacements_mm),
+            log_faults,
             excluded: ExcludedReadings::new(&exclusions, numbers),
             hint: self.hint.clone(),
             of_head: self.of_head.as_ref().map_or_else(Vec::new, HeadFits::remarks),
         })
     }
-}
-
-/// Axes whose force follows displacements along other axes.
-fn exchanged(forces_n: &[DVec3], displacements_mm: &[DVec3]) -> Vec<Axis> {
-    let pairs = || forces_n.iter().zip(displacements_mm).filter(|(of, by)| of.is_finite() && by.is_finite());
-    let count = pairs().count().max(1) as f64;
-    let mean = |of: &dyn Fn(&DVec3, &DVec3) -> DVec3| pairs().map(|(force, by)| of(force, by)).sum::<DVec3>() / count;
-    let (force, moved) = (mean(&|force, _| *force), mean(&|_, by| *by));
-    // In units of their deviations, so that coefficients are comparable.
-    let deviation = mean(&|_, by| (*by - moved).powf(2.0)).map(f64::sqrt);
-    let unit = |by: &DVec3| (*by - moved) / deviation;
-    let correlations = DMat3::from_cols_array_2d(&[0, 1, 2].map(|j| mean(&|_, by| unit(by)[j] * unit(by)).to_array()));
-    let inverse = (correlations + DMat3::from_diagonal(DVec3::splat(RIDGE))).inverse();
-    let is_exchanged = |axis: &Axis| {
-        let i = axis.index();
-        let covariances = mean(&|of, by| (of - force)[i] * unit(by));
-        let fitted = inverse * covariances;
-        let explained = fitted.dot(covariances) / mean(&|of, _| (of - force).powf(2.0))[i];
-        let own_share = fitted[i].powi(2) / fitted.length_squared();
-        deviation[i] > LEAST_MOTION * deviation.max_element() && explained > EXPLAINED && own_share < OWN_SHARE
-    };
-    Axis::ALL.into_iter().filter(is_exchanged).collect()
-}
-
-/// Rows by which forces are later than the displacements of a film, negative if earlier. `None` if
-/// no shift halves the residual of straight lines.
-fn late_rows(forces_n: &[DVec3], displacements_mm: &[DVec3]) -> Option<i64> {
-    let (rows, as_they_are) = (forces_n.len() as i64, unexplained(forces_n, displacements_mm, 0)?);
-    let of_shift = |shift: i64| Some((shift, unexplained(forces_n, displacements_mm, shift)?));
-    let tried = (-MOST_SHIFT..=MOST_SHIFT).filter(|shift| shift.abs() < rows).filter_map(of_shift);
-    let (shift, least) = tried.min_by(|a, b| a.1.total_cmp(&b.1))?;
-    (as_they_are > GOOD && least < SHIFTED * as_they_are).then_some(shift)
-}
-
-/// The share of the variation of the forces along all axes that straight lines do not explain,
-/// where each force belongs to the displacement `shift` rows before. `None` for too few pairs.
-fn unexplained(forces_n: &[DVec3], displacements_mm: &[DVec3], shift: i64) -> Option<f64> {
-    let (mut sum, mut axes) = (0.0, 0);
-    for axis in 0..3 {
-        let displacement = |row: usize| displacements_mm.get(usize::try_from(row as i64 - shift).ok()?);
-        let pair = |(row, force): (usize, &DVec3)| Some((displacement(row)?[axis], force[axis]));
-        let pairs = forces_n.iter().enumerate().filter_map(pair).filter(|(d, f)| d.is_finite() && f.is_finite());
-        let pairs: Vec<(f64, f64)> = pairs.collect();
-        if pairs.len() < LEAST_SHIFTED {
-            continue;
-        }
-        let count = pairs.len() as f64;
-        let mean = |of: &dyn Fn(&(f64, f64)) -> f64| pairs.iter().map(of).sum::<f64>() / count;
-        let (d, f) = (mean(&|pair| pair.0), mean(&|pair| pair.1));
-        let (dd, ff) = (mean(&|pair| (pair.0 - d).powi(2)), mean(&|pair| (pair.1 - f).powi(2)));
-        let df = mean(&|pair| (pair.0 - d) * (pair.1 - f));
-        if dd * ff > 0.0 {
-            sum += 1.0 - df * df / (dd * ff);
-            axes += 1;
-        }
-    }
-    (axes > 0).then(|| sum / f64::from(axes))
 }
 
 /// The error of the first axis, if all have one.
@@ -228,7 +141,7 @@ impl FilmCalibration {
         Axis::ALL.into_iter().filter(move |axis| axes[axis.index()].as_ref().is_some_and(has_zero))
     }
 
-    /// Exchanged axes, rows that are shifted, and axes with no stiffness, a negative one, or one of
+    /// Faults of the log, and axes with no stiffness, a negative one, or one of
     /// 0 within its error, one sentence each.
     pub fn remarks(&self) -> Vec<String> {
         let hint = self.hint.iter().cloned();
@@ -243,24 +156,11 @@ impl FilmCalibration {
                  those of the readings"
             )
         });
-        let late = self.late_rows.map(|rows| {
-            let (count, when) = (rows.abs(), if rows > 0 { "before" } else { "after" });
-            let rows = if count == 1 { "row" } else { "rows" };
-            format!(
-                "the forces fit the readings {count} {rows} {when} far better than those of their own rows: forces and \
-                 readings are not in step, or the layer creeps; move the columns against each other"
-            )
-        });
+        let log = self.log_faults.iter().map(ToString::to_string);
         let negative = self.negative().into_iter().map(|axis| {
             format!(
                 "the stiffness along {axis} is negative: the force is positive where the film moves along -{axis}; \
                  reverse the sign of the forces, or check the axes of the sensor"
-            )
-        });
-        let exchanged = self.exchanged.iter().map(|axis| {
-            format!(
-                "the force along {axis} follows displacements along other axes, not along {axis}: the columns of the \
-                 forces or of the sensor are exchanged"
             )
         });
         let stiffness = |line: &Option<Stiffness>| line.as_ref().map_or(f64::NAN, |line| line.stiffness);
@@ -275,7 +175,7 @@ impl FilmCalibration {
                 number(ratio)
             )
         });
-        let of_axes = exchanged.chain(without).chain(undetermined).chain(negative);
-        hint.chain(self.of_head.iter().cloned()).chain(late).chain(unit).chain(of_axes).collect()
+        let of_axes = without.chain(undetermined).chain(negative);
+        hint.chain(self.of_head.iter().cloned()).chain(log).chain(unit).chain(of_axes).collect()
     }
 }

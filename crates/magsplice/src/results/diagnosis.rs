@@ -4,9 +4,10 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 use magsplice_layout::{FilmTolerance, Layout, Preset};
-use magsplice_magnet::{Quantity, Tile, TileError};
+use magsplice_magnet::{Grid, Quantity, Tile, TileError};
 use magsplice_scan::{
     Candidate, ColumnFault, DetectedError, Diagnosis, ErrorKind, Exclusion, FreeParameters, NarrowedError, ScanError,
+    find_row_order, is_row_order_likely,
 };
 use magsplice_sensor::Noise;
 use serde::Serialize;
@@ -187,12 +188,7 @@ impl Film {
             return Err(FilmError::Scan(ScanError::TooFew { readings: 0, excluded: unusable.len(), needed: 1 }));
         }
         // No search explains them, and it takes minutes. Readings without noise may be 0 on a line.
-        let is_certain = |fault: &ColumnFault| match fault {
-            ColumnFault::Stuck(stuck) => stuck.reading_t != 0.0,
-            ColumnFault::Still(_) => true,
-            _ => false,
-        };
-        if let Some(fault) = ColumnFault::among(points_mm, &usable_t).filter(is_certain) {
+        if let Some(fault) = ColumnFault::among(points_mm, &usable_t).filter(ColumnFault::is_certain) {
             return Err(FilmError::Scan(ScanError::Columns(fault)));
         }
         let field_t =
@@ -223,12 +219,32 @@ impl Film {
             false_alarm,
         };
         // Every other reason is a consequence of columns that no scan has.
-        let found = search.run().map_err(|error| match (error, ColumnFault::among(points_mm, readings_t)) {
-            (FilmError::Scan(_) | FilmError::Diagnosis(_) | FilmError::Misplaced(_), Some(fault)) => {
-                FilmError::Scan(ScanError::Columns(fault))
+        let in_order = || {
+            let sensed = self.sensed_field(&Grid::around(points_mm))?;
+            match find_row_order(&sensed, points_mm, readings_t, None, self.centre_mm()) {
+                Some(order) => Err(FilmError::Scan(ScanError::RowOrder(order))),
+                None => Ok(()),
             }
-            (error, _) => error,
-        })?;
+        };
+        let found = match (search.run(), ColumnFault::among(points_mm, readings_t)) {
+            (Err(FilmError::Scan(_) | FilmError::Diagnosis(_) | FilmError::Misplaced(_)), Some(fault)) => {
+                return Err(FilmError::Scan(ScanError::Columns(fault)));
+            }
+            (
+                Err(FilmError::Scan(
+                    error @ (ScanError::Turned(_) | ScanError::Unit { .. } | ScanError::ReadingUnit { .. }),
+                )),
+                None,
+            ) => return Err(FilmError::Scan(error)),
+            (Err(error @ (FilmError::Scan(_) | FilmError::Diagnosis(_) | FilmError::Misplaced(_))), None) => {
+                in_order()?;
+                return Err(error);
+            }
+            (found, _) => found?,
+        };
+        if found.is_rejected || is_row_order_likely(&found.diagnosis.exclusions) {
+            in_order()?;
+        }
         let Searched { mut diagnosis, is_rejected, made_as, placement, explained_by } = found;
         // Saturated readings were withheld as unfinished.
         for (exclusion, unusable) in diagnosis.exclusions.iter_mut().zip(&unusable) {

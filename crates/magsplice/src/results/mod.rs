@@ -30,6 +30,8 @@ mod error_words;
 mod experiment;
 /// The field at points.
 mod field;
+/// Faults of a log of forces and readings.
+mod force_log;
 /// Loads on tiles, and a placement order.
 mod forces;
 /// A film that a search found.
@@ -91,6 +93,7 @@ pub use decoupling::{FilmDecoupling, FilmEvaluation};
 pub use diagnosis::{FaultyTile, FilmDiagnosis, SimilarPair, Suspect, UnresolvedError};
 pub use experiment::{EXPERIMENT_STEP_MM, FilmExperiments};
 pub use field::{FieldAtPoints, PointQuantity};
+pub use force_log::LogFault;
 pub use forces::{FilmLoads, ForceChange, LoadN, OrderChoice, OrderedLoads, TileLoad};
 #[cfg(feature = "design")]
 pub use found_film::FoundFilm;

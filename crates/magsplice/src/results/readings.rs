@@ -4,7 +4,7 @@ use glam::DVec3;
 use magsplice_decouple::{Branch, Parameters};
 use magsplice_layout::Elastomer;
 use magsplice_magnet::Grid;
-use magsplice_scan::{FLUX_DENSITIES, SignedAxes, StuckAxis};
+use magsplice_scan::{FLUX_DENSITIES, FrozenLog, SignedAxes, StuckAxis};
 use magsplice_sensor::{LocateError, Located, Locator, Noise, SensedField, mean_at_rest};
 use serde::Serialize;
 
@@ -85,6 +85,10 @@ const MOST_ZERO_UT: f64 = 200.0;
 /// Distance from the volume, over its extent, up to which noise may have moved a position.
 const NEAR: f64 = 0.02;
 
+/// Number of places on the axis of the film, of the height of the volume, at which a sensor may
+/// have been set to zero.
+const HEIGHTS: usize = 5;
+
 /// Words for readings at rest that were taken elsewhere, or for the axes or the unit with which
 /// readings without a position in the volume have one. `zero_t` is the constant part from readings
 /// at rest.
@@ -93,6 +97,7 @@ fn hint(
     readings_t: &[DVec3],
     found: &[Result<Located, LocateError>],
     zero_t: Option<DVec3>,
+    at_rest_t: &[DVec3],
 ) -> Option<String> {
     let zero_ut = 1e6 * zero_t.unwrap_or_default().abs().max_element();
     if zero_ut > MOST_ZERO_UT {
@@ -118,7 +123,15 @@ fn hint(
         let has_position = |found: &&Result<Located, LocateError>| Located::of(found).is_some() && !is_lost(found);
         locator.locate(&changed).iter().filter(has_position).count() as f64 >= EXPLAINED * tried.len() as f64
     };
-    other_columns(are_explained)
+    let tared = || {
+        let is_at_rest = |at_rest_t: &&DVec3| are_explained(&|reading_t| reading_t + **at_rest_t);
+        at_rest_t.iter().find(is_at_rest).map(|_| {
+            "the readings have positions with the field on the axis of the film added: the zero of the sensor was set \
+             below the film; record readings without this"
+                .to_owned()
+        })
+    };
+    other_columns(are_explained).or_else(tared)
 }
 
 /// Whether a position is in the volume, but for what noise may have moved it.
@@ -211,11 +224,18 @@ impl Film {
         let is_saturated = |reading_t: &DVec3| sensed.sensor().is_saturated(*reading_t);
         let within_range = readings_t.iter().map(|of| if is_saturated(of) { DVec3::NAN } else { *of });
         let stuck = StuckAxis::among(&within_range.collect::<Vec<_>>()).map(|stuck| stuck.to_string());
+        let frozen = FrozenLog::among(readings_t);
+        let frozen = frozen.map(|frozen| format!("{frozen} of the readings: the log was frozen, or nothing moved"));
+        let stuck = stuck.or(frozen);
+        let (lower, upper) = (volume.grid.lower(), volume.grid.upper());
+        let heights = (0..HEIGHTS).map(|n| lower.z + (upper.z - lower.z) * n as f64 / (HEIGHTS - 1) as f64);
+        let on_axis: Vec<DVec3> = heights.map(|z| volume.reference_mm.with_z(z)).collect();
+        let on_axis_t = sensed.readings_t(&on_axis).map_err(FilmError::Points)?;
         let zero_t = matches!(at_rest, AtRest::Zero(_)).then_some(constant_t);
         Ok(FilmReadings {
             source: Source::of(self),
             readings: readings_t.len(),
-            hint: stuck.or_else(|| hint(&locator, readings_t, &found, zero_t)),
+            hint: stuck.or_else(|| hint(&locator, readings_t, &found, zero_t, &on_axis_t)),
             found,
             closed_form_mm,
             origin_mm,

@@ -5,7 +5,7 @@ use magsplice_decouple::{Branch, NoPlanes, Parameters, PerParameter, uniformity_
 use magsplice_magnet::Grid;
 use magsplice_scan::{
     ColumnFault, Exclusion, FilmTurn, FreeParameters, KNOWN_NOISE, Plateau, ROUND_OFF, ScanError, ScanField, ScanFit,
-    ScanPositions, SensorFault, SignedAxes, film_turn, fit_determined, fit_scan,
+    ScanPositions, SensorFault, SignedAxes, film_turn, find_row_order, fit_determined, fit_scan, is_row_order_likely,
 };
 use serde::Serialize;
 
@@ -212,7 +212,8 @@ impl Film {
             Err(ScanError::Points(errors)) => return Err(FilmError::Points(errors)),
             Err(error) => {
                 let is_misfit = !matches!(error, ScanError::TooFew { .. } | ScanError::Undetermined(_));
-                if let Some(fault) = ColumnFault::among(points_mm, readings_t).filter(|_| is_misfit) {
+                let fault = ColumnFault::among(points_mm, readings_t);
+                if let Some(fault) = fault.filter(|fault| is_misfit || fault.is_certain()) {
                     return Err(FilmError::Scan(ScanError::Columns(fault)));
                 }
                 let finite = || readings_t.iter().filter(|reading_t| reading_t.is_finite());
@@ -222,7 +223,13 @@ impl Film {
                 let is_small = |turn: &FilmTurn| turn.residual_t < LARGE_SHARE * reading_t;
                 let is_large = |turn: &FilmTurn| turn.angle_deg.abs() >= LARGE_DEG;
                 let turn = turn.filter(|turn| is_small(turn) || is_large(turn) && turn.explains(reading_t));
-                return Err(FilmError::Scan(turn.map_or(error, ScanError::Turned)));
+                let has_cause = matches!(error, ScanError::Unit { .. } | ScanError::ReadingUnit { .. });
+                let order = || match has_cause {
+                    true => None,
+                    false => find_row_order(&sensed, points_mm, readings_t, None, centre_mm),
+                };
+                let cause = turn.map(ScanError::Turned).or_else(|| order().map(ScanError::RowOrder));
+                return Err(FilmError::Scan(cause.unwrap_or(error)));
             }
             Ok(fit) => fit,
         };
@@ -240,6 +247,14 @@ impl Film {
         let reading_t = (squares / (3 * kept.len().max(1)) as f64).sqrt();
         let sensor_noise_t = self.layout().sensor.as_ref().map_or(0.0, |of| of.as_one().deviation_t().max_element());
         let most_t = if sensor_noise_t > 0.0 { KNOWN_NOISE * sensor_noise_t } else { MOST_SHARE * reading_t };
+        if fit.noise_t > most_t || is_row_order_likely(&fit.exclusions) {
+            let fault = ColumnFault::among(points_mm, readings_t).filter(ColumnFault::is_certain);
+            let order = || find_row_order(&sensed, points_mm, readings_t, Some((&fit, free)), centre_mm);
+            let fault = fault.map(ScanError::Columns).or_else(|| order().map(ScanError::RowOrder));
+            if let Some(fault) = fault {
+                return Err(FilmError::Scan(fault));
+            }
+        }
         let turn = match fit.noise_t > most_t {
             true => film_turn(field, points_mm, readings_t)
                 .filter(|turn| turn.is_below(BETTER, fit.noise_t) && turn.residual_t < LARGE_SHARE * reading_t),
