@@ -103,6 +103,37 @@ impl FilmForces {
         })
     }
 
+    /// The same loads with those by images of the tiles in flat iron, such as
+    /// [`TileImages`](magsplice_magnet::TileImages): each acts where its tile does, on this tile
+    /// too. `owners` holds the index of the tile of each image. The iron takes up the sum of all
+    /// forces. `progress` is called, from any thread, for each tile.
+    ///
+    /// # Errors
+    /// The errors of [`FilmForces::new`].
+    ///
+    /// # Panics
+    /// If there are not as many tiles as loads, or not as many owners as images.
+    pub fn with_images(
+        mut self,
+        tiles: &[Tile],
+        images: &[Tile],
+        owners: &[usize],
+        tolerance: f64,
+        progress: impl Fn() + Sync,
+    ) -> Result<FilmForces, FilmForcesError> {
+        assert_eq!((tiles.len(), owners.len()), (self.count, images.len()), "a load for each tile, an owner each");
+        let add = |(first, loads): (usize, &mut [Load])| {
+            progress();
+            for (image, &second) in images.iter().zip(owners) {
+                let of_pair = pair_loads(&tiles[first], image, tolerance);
+                loads[second] += of_pair.map_err(|source| FilmForcesError::Pair { first, second, source })?[0];
+            }
+            Ok(())
+        };
+        self.loads.par_chunks_mut(self.count.max(1)).enumerate().map(add).collect::<Result<(), _>>()?;
+        Ok(self)
+    }
+
     /// The loads of `count` tiles from the loads of each pair.
     fn of_pairs(
         count: usize,
@@ -134,7 +165,8 @@ impl FilmForces {
         self.count
     }
 
-    /// The load on the tile `of` by the tile `by`; zero for the same tile.
+    /// The load on the tile `of` by the tile `by`, and by its images; by the same tile, that by its
+    /// own images.
     ///
     /// # Panics
     /// If an index is not the index of a tile.

@@ -128,7 +128,7 @@ impl Annealing {
         let pairs: Vec<DVec3> = (0..count * count).map(pair).collect();
         let mut force = vec![DVec3::ZERO; count];
         for (step, &tile) in order.iter().enumerate() {
-            force[tile] = order[..step].iter().map(|&by| pairs[tile * count + by]).sum();
+            force[tile] = order[..=step].iter().map(|&by| pairs[tile * count + by]).sum();
         }
         Annealing { count, pairs, order: order.to_vec(), force }
     }

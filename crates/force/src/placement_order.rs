@@ -1,7 +1,7 @@
 //! Placement orders of the tiles of a film, and the force that must hold each tile.
 //!
 //! Tiles are placed one by one and glued. During placement only the tiles already there act on a
-//! tile. The holding force of a step is the magnitude of their force on it, and the holding force
+//! tile, and its own images in iron. The holding force of a step is the magnitude of their force on it, and the holding force
 //! of an order is the largest of its steps. Tiles already placed are assumed to hold.
 
 use crate::film_forces::FilmForces;
@@ -64,7 +64,7 @@ impl PlacementOrder {
                 Some(placed) => *placed = true,
             }
         }
-        let load = |(step, tile): (usize, &usize)| forces.by_some(*tile, tiles[..step].iter().copied());
+        let load = |(step, tile): (usize, &usize)| forces.by_some(*tile, tiles[..=step].iter().copied());
         let loads = tiles.iter().enumerate().map(load).collect();
         Ok(PlacementOrder { tiles, loads })
     }

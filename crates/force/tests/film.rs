@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use magsplice_force::{FilmForces, LeastHolding, OrderError, OrderSettings, PlacementOrder};
-use magsplice_magnet::Tile;
+use magsplice_magnet::{IronPlane, IronPlanes, Tile};
 
 const SETTINGS: OrderSettings = OrderSettings { runs: 2, moves: 20_000, examined_sets: 100_000, seed: 1 };
 
@@ -23,7 +23,7 @@ fn forces(tiles: &[Tile]) -> FilmForces {
 
 /// Largest force on a tile during its placement, by the definition.
 fn holding(forces: &FilmForces, order: &[usize]) -> f64 {
-    let at = |step: usize| order[..step].iter().map(|&by| forces.by_one(order[step], by).force).sum::<DVec3>();
+    let at = |step: usize| order[..=step].iter().map(|&by| forces.by_one(order[step], by).force).sum::<DVec3>();
     (0..order.len()).map(|step| at(step).length()).fold(0.0, f64::max)
 }
 
@@ -137,4 +137,31 @@ fn greedy_order_ends_with_the_tile_of_the_smallest_force() {
         let least = order[..=step].iter().map(|&tile| force_n(tile)).fold(f64::INFINITY, f64::min);
         assert!(force_n(order[step]) <= least + 1e-13 * found.greedy, "step {step}");
     }
+}
+
+/// A film below iron: the load on a tile by another and by its image is that by both as tiles, the
+/// iron takes up the sum, and a tile holds on to the iron while it is placed.
+#[test]
+fn tiles_have_the_forces_of_their_images() {
+    let tiles = film(2, 2);
+    let plane = IronPlane::new(DVec3::new(0.0, 0.0, 1.5), DVec3::NEG_Z, 9.0).unwrap();
+    let images = IronPlanes::new(vec![plane]).unwrap().images(&tiles).unwrap();
+    let found = forces(&tiles).with_images(&tiles, &images.tiles, &images.owners, 1e-9, || ()).unwrap();
+    let all = forces(&[&tiles[..], &images.tiles].concat());
+    for of in 0..4 {
+        for by in 0..4 {
+            let expected = all.by_one(of, by).force + all.by_one(of, 4 + by).force;
+            assert!((found.by_one(of, by).force - expected).length() < 1e-15, "{of} by {by}");
+        }
+    }
+    let sum: DVec3 = found.by_all().iter().map(|load| load.force).sum();
+    assert!(sum.z > 0.0 && sum.z > 10.0 * sum.truncate().length(), "the iron attracts the film: {sum}");
+    let order = PlacementOrder::new(&found, vec![2, 0, 3, 1]).unwrap();
+    assert_eq!(order.loads()[0], found.by_one(2, 2));
+    assert!(order.loads()[0].force.z > 0.0);
+    let mut least = f64::INFINITY;
+    permutations(&mut (0..4).collect(), &mut Vec::new(), &mut |order| least = least.min(holding(&found, order)));
+    let searched = LeastHolding::search(&found, &SETTINGS, || ());
+    assert!((searched.order.holding() - least).abs() < 1e-14, "{searched:?}, not {least}");
+    assert!(searched.bound <= least && searched.bound > 0.99 * least, "{searched:?}, not {least}");
 }

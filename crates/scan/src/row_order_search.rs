@@ -33,9 +33,9 @@ pub fn is_row_order_likely(exclusions: &[Option<Exclusion>]) -> bool {
     exclusions.len() >= LEAST_READINGS && outliers(exclusions) > MANY * exclusions.len() as f64
 }
 
-/// The order in which the film explains the readings far better than in the order as it is,
-/// which has the fit `given` of these parameters, if any. `centre` is the likely place of the middle
-/// of the scan.
+/// The order in which the film explains the readings far better than in the order as it is, which
+/// has the fit `given` of these parameters, if any. `centre` is the likely place of the middle of
+/// the scan.
 pub fn find_row_order(
     field: &SensedField,
     points: &[DVec3],
@@ -62,7 +62,7 @@ pub fn find_row_order(
         let fits = starts.into_iter().flatten().filter_map(fit);
         let likely = fits.filter(|fit| match given {
             Some(given) => {
-                // The outliers of a shifted scan are those near the film, so that the rest has less noise.
+                // Outliers of a shifted scan are near the film, so that the rest has less noise.
                 let has_few = is_row_order_likely(&given.exclusions)
                     && outliers(&fit.exclusions) <= FEW * outliers(&given.exclusions);
                 has_few && squares(fit) <= HALF * HALF * squares(given)

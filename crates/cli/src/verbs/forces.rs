@@ -167,10 +167,11 @@ fn text(layout: &Layout, loads: &FilmLoads) -> String {
         let largest = unit.torque(torque.load.torque_n_mm.length());
         let _ = writeln!(text, "largest torque  {largest} about the centre of {}", torque.name);
     }
+    let origin = if loads.by_iron { "by the iron" } else { "round-off" };
     let [force, torque] = [loads.sum.force_n.length() / unit.size_n, loads.sum.torque_n_mm.length() / unit.size_n];
     let _ = writeln!(
         text,
-        "sum of all      {force:.1e} {name}, and {torque:.1e} {name} mm about the origin: round-off",
+        "sum of all      {force:.1e} {name}, and {torque:.1e} {name} mm about the origin: {origin}",
         name = unit.name
     );
     if let Some(order) = &loads.order {

@@ -28,6 +28,13 @@ fn planes_have_the_field_of_images() {
         };
         assert_eq!(field("plane.toml"), field("image.toml"));
     }
+    let loads = |layout| -> serde_json::Value {
+        let said = sandbox.run(&["forces", layout, "--format", "json"]);
+        serde_json::from_str(&said.stdout).expect("JSON")
+    };
+    assert_eq!(loads("plane.toml")["tiles"][0]["force_n"], loads("image.toml")["tiles"][0]["force_n"]);
+    let said = sandbox.run(&["forces", "plane.toml"]);
+    assert!(said.stdout.contains("about the origin: by the iron"), "{}", said.stdout);
     let at = ["field", "plane.toml", "--at", "0,0,1.25"];
     sandbox.run(&at).refuses("the point is on or behind plane 1, in iron");
     let said = sandbox.run(&["decouple", "plane.toml"]);
@@ -49,8 +56,7 @@ fn work_without_iron_is_refused() {
     sandbox.write("scan.csv", &(scan.to_owned() + &rows.concat()));
     sandbox.write("tiles.csv", "name,j_x_t,j_y_t,j_z_t\nm1,0.2,0.1,0.4\nm2,0.2,0.1,0.39\n");
     for arguments in [
-        &["forces", "film.toml"][..],
-        &["design", "film.toml", "-o", "better.toml"],
+        &["design", "film.toml", "-o", "better.toml"][..],
         &["diagnose", "film.toml", "--scan", "scan.csv", "--noise", "5uT"],
         &["assign", "film.toml", "--measured", "tiles.csv", "-o", "made.toml"],
         &["experiment", "film.toml", "--bend-radius", "100mm"],

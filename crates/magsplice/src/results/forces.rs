@@ -35,8 +35,12 @@ pub struct FilmLoads {
     pub recoil: Option<ForceChange>,
     /// The load on each tile by all others; torques are about its centre.
     pub tiles: Vec<TileLoad>,
-    /// Sum of all forces, and of all torques about the origin: zero but for round-off.
+    /// Sum of all forces, and of all torques about the origin: zero but for round-off, and without
+    /// iron.
     pub sum: LoadN,
+    /// Whether iron is a part of the layout, which takes up the sum.
+    #[serde(skip)]
+    pub by_iron: bool,
     /// A placement order, if one was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub order: Option<OrderedLoads>,
@@ -141,7 +145,8 @@ impl Film {
             sum.force_n += load.force_n;
             sum.torque_n_mm += load.torque_n_mm + named.tile.position().cross(load.force_n);
         }
-        Ok(FilmLoads { source: LayoutSource::of(self.layout()), recoil, tiles, sum, order })
+        let by_iron = !self.layout().iron.is_empty();
+        Ok(FilmLoads { source: LayoutSource::of(self.layout()), recoil, tiles, sum, by_iron, order })
     }
 
     /// The loads of all pairs of tiles. `turned_error` is the largest relative error of the force
@@ -150,19 +155,24 @@ impl Film {
     /// Tiles with a recoil permeability are divided into 27 cells or more, with the polarization
     /// that they have in the whole film, also while the film is placed.
     fn pair_forces(&self, turned_error: f64) -> Result<(FilmForces, Option<ForceChange>), FilmError> {
-        self.without_iron("forces are computed")?;
         let layout = self.layout();
         let tiles = layout.bare_tiles();
+        let images = layout.iron.images(&tiles).expect("tiles before the iron, as the layout requires");
         let pairs = tiles.len().min(FilmForces::MOST_TILES) as f64;
         let cause = || format!("the layout has {} tiles, and each acts on all others", tiles.len());
         check_memory(BYTES_PER_PAIR * pairs * pairs, cause, |_| "take fewer tiles".to_owned())
             .map_err(FilmError::Memory)?;
-        let passes = if layout.has_recoil() { 1 + RECOIL_LEVELS.len() } else { 1 };
+        let passes = match layout.has_recoil() {
+            true => 1 + RECOIL_LEVELS.len(),
+            false if images.tiles.is_empty() => 1,
+            false => 2,
+        };
         let counted = self.counting("forces", Some(passes * tiles.len()), "tiles");
         let failed = |error: FilmForcesError| FilmError::from_forces(error, layout);
         let rigid = FilmForces::new(&tiles, turned_error, &counted).map_err(failed)?;
         if !layout.has_recoil() {
-            return Ok((rigid, None));
+            let with_images = rigid.with_images(&tiles, &images.tiles, &images.owners, turned_error, &counted);
+            return Ok((with_images.map_err(failed)?, None));
         }
         let recoil_tiles = recoil_tiles(layout, None);
         let at_level = |level: usize| {

@@ -86,7 +86,7 @@ class Forces(OfLayout, _Loads):
         of this force, from two divisions of the tiles; None without recoil."""
     )
     tiles: list[Load] = key("Load on each tile by all others.", Load)
-    sum: Load = key("Sum of all loads, zero up to round-off.", Load)
+    sum: Load = key("Sum of all loads, zero up to round-off without iron.", Load)
     order: PlacementOrder | None = key("Loads in a placement order, if requested.", PlacementOrder)
 
     _rows = "tiles"
