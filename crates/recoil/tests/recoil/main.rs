@@ -3,6 +3,8 @@
 use magsplice_magnet::{Permeability, Tile};
 use magsplice_recoil::RecoilTile;
 
+/// Flat iron.
+mod iron;
 /// Values and their errors.
 mod refinement;
 /// Polarizations.
