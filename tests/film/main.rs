@@ -1,5 +1,7 @@
 //! Layout files, the shipped films, and their known numbers.
 
+/// Discs as strips and waves in slices.
+mod approximate_shapes;
 /// Error budgets, against exact samples.
 mod budget;
 /// The rules of `docs/design.md` for the designed films.

@@ -9,9 +9,17 @@ use magsplice::results::HeadSummary;
 use super::number::counted;
 use super::recoil;
 
-/// Name, tiles and hash of a layout.
+/// Name, tiles, accuracy of their shapes, and hash of a layout.
 pub(crate) fn layout(layout: &Layout) -> String {
-    format!("{}: {}, sha256 {}\n", layout.name, tile_count(layout), &layout.sha256[..12])
+    let shapes = layout
+        .shape_error
+        .map_or(String::new(), |error| format!(" (discs as strips, right to {:.2} % one radius away)", 100.0 * error));
+    let slices = layout.slice_error.map_or(String::new(), |error| {
+        let percent = 100.0 * error;
+        let percent = if percent < 0.01 { format!("{percent:.0e}") } else { format!("{percent:.2}") };
+        format!(" (waves in slices, right to {percent} % in the volume)")
+    });
+    format!("{}: {}{shapes}{slices}, sha256 {}\n", layout.name, tile_count(layout), &layout.sha256[..12])
 }
 
 /// A layout, and what recoil changes in its field.

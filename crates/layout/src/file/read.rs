@@ -202,7 +202,10 @@ fn resolve(file: LayoutFile, place: &Place, text: &str, source: &Source) -> Resu
     let material = file.material.map(|table| table.resolve(&mut faults.at(at("material"), "material")));
     let material = material.unwrap_or_default();
     let before_tiles = faults.count();
-    let FileTiles { tiles, entries } = FileTiles::resolve(&file.kind, &file.tile, &file.lattice, place, &mut faults);
+    let FileTiles { tiles, entries, shape_error } =
+        FileTiles::resolve(&file.kind, &file.tile, &file.lattice, place, &mut faults);
+    let slice_errors = volume.iter().flat_map(|volume| file.lattice.iter().filter_map(|of| of.slice_error(volume)));
+    let slice_error = slice_errors.reduce(f64::max);
     let iron = PlaneTable::resolve(&file.plane, &tiles, place.key("plane"), &mut faults);
     let tolerance = file.tolerance.filter(|_| !source.is_neighbour).and_then(|table| {
         let is_complete = faults.count() == before_tiles;
@@ -211,6 +214,13 @@ fn resolve(file: LayoutFile, place: &Place, text: &str, source: &Source) -> Resu
         let read_neighbour = |layout: &str| tiles_of_neighbour(&source.folder, layout);
         table.resolve(whole, &source.folder, &read_neighbour, place.key("tolerance"), &mut faults)
     });
+    let has_errors_of_tiles = tolerance.as_ref().is_some_and(|tolerance| !tolerance.tiles.is_empty());
+    if shape_error.is_some() && has_errors_of_tiles {
+        faults.at(at("tolerance"), "tolerance").add(
+            "has errors of each tile, and the strips of a disc move together: give its errors in [[tolerance.group]], \
+             with tiles = [\"NAME-s*\"]",
+        );
+    }
     if faults.is_empty() {
         overlap::check(&tiles, &entries, overlap_mm, &mut faults);
     }
@@ -234,6 +244,8 @@ fn resolve(file: LayoutFile, place: &Place, text: &str, source: &Source) -> Resu
         elastomer,
         iron,
         material,
+        shape_error,
+        slice_error,
         history: file.history,
         overlap_mm,
         tiles,

@@ -19,7 +19,11 @@ use crate::tile::single::{self, KindTable, TileTable};
 pub(crate) struct FileTiles<'t> {
     pub(crate) tiles: Vec<NamedTile>,
     pub(crate) entries: Vec<Entry<'t>>,
+    /// Largest error of the shape of a disc. `None` without discs.
+    pub(crate) shape_error: Option<f64>,
 }
+
+const TOO_THIN: &str = "has a strip that is too thin for a tile: state a larger shape_error";
 
 impl<'t> FileTiles<'t> {
     /// The tiles of the tables, after adding their faults. They are all there if none was added.
@@ -51,7 +55,16 @@ impl<'t> FileTiles<'t> {
             check_name("name", &name, &mut faults);
             let (grid, mirror) = (table.grid.as_ref(), table.mirror.as_ref());
             let single = single::resolve(table, name, kinds, &mut faults);
-            let tiles = single.and_then(|tile| repeat::resolve(tile, grid, mirror, &mut room, &mut faults));
+            let tiles = single.and_then(|(tile, disc)| {
+                let parts = match disc {
+                    None => vec![tile],
+                    Some(disc) => {
+                        all.shape_error = Some(all.shape_error.unwrap_or(0.0).max(disc.error));
+                        disc.tiles(&tile).or_else(|| faults.refuse(TOO_THIN))?
+                    }
+                };
+                repeat::resolve(parts, grid, mirror, &mut room, &mut faults)
+            });
             all.add(start, mirror, tiles);
         }
         for (index, table) in lattices.iter().enumerate() {

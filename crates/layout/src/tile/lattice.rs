@@ -14,7 +14,13 @@ use crate::layout::NamedTile;
 use crate::material::RecoilPermeability;
 use crate::plausible::{check_component, check_material};
 use crate::tile::checked_tile;
+use crate::tile::interval::Interval;
 use crate::tile::room::Room;
+use crate::tile::wave::WaveTable;
+use crate::volume::WorkingVolume;
+
+/// Sum of two waves below which it is 0.
+const ROUND_OFF: f64 = 1e-12;
 
 /// A film cut along lines parallel to x and y. Each cell holds one tile, unless its pattern is zero
 /// along both axes.
@@ -25,9 +31,9 @@ pub(crate) struct LatticeTable {
     pub(crate) name: Option<String>,
     /// Lower corner, in mm.
     #[schemars(extend("example" = "[-10.0, -10.0, 0.0]"))]
-    start_mm: [f64; 3],
+    pub(crate) start_mm: [f64; 3],
     /// Height along z, in mm.
-    height_mm: f64,
+    pub(crate) height_mm: f64,
     /// Magnitude of every tile's polarization, in T. Give either this or component_t.
     strength_t: Option<f64>,
     /// Factor of the pattern, in T: the polarization is this times the pattern. Give either this or
@@ -35,7 +41,12 @@ pub(crate) struct LatticeTable {
     component_t: Option<f64>,
     /// Relative recoil permeability of its tiles. Default: that of [material].
     recoil_permeability: Option<RecoilPermeability>,
+    /// A sinusoidal magnetization in slices, with component_t as its amplitude. Give either this or
+    /// x.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) wave: Option<WaveTable>,
     /// Intervals along x.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(extend("example" = "[{ widths_mm = [3.3, 1.7], pattern = [1, 0] }]"))]
     x: Vec<LatticeSection>,
     /// Intervals along y. Default: the intervals along x.
@@ -59,7 +70,6 @@ struct LatticeSection {
 impl LatticeTable {
     /// The tiles of a lattice, or `None` after adding its faults.
     pub(crate) fn resolve(&self, name: &str, room: &mut Room, faults: &mut TableFaults) -> Option<Vec<NamedTile>> {
-        let (sections_x, sections_y) = (&self.x, self.y.as_ref().unwrap_or(&self.x));
         let before = faults.count();
         let (key, factor_t) = match (self.strength_t, self.component_t) {
             (Some(strength), None) => ("strength_t", strength),
@@ -70,35 +80,41 @@ impl LatticeTable {
             }
         };
         faults.number(key, factor_t, NOT_NEGATIVE);
-        match self.strength_t {
-            Some(strength) => check_material(key, strength, faults),
-            None => check_component(factor_t, largest(sections_x).hypot(largest(sections_y)), faults),
-        }
-        check_sections("x", &self.x, faults);
-        if let Some(y) = &self.y {
-            check_sections("y", y, faults);
-        }
-        let permeability = self.recoil_permeability.and_then(|written| written.resolve(faults));
         faults.numbers("start_mm", &self.start_mm[..2], FINITE);
         faults.require(self.height_mm > 0.0, "height_mm", self.height_mm, "must be greater than 0");
+        let permeability = self.recoil_permeability.and_then(|written| written.resolve(faults));
+        let [columns, rows] = match &self.wave {
+            Some(wave) => self.slices(wave, name, room, faults)?,
+            None => self.sections(name, room, faults)?,
+        };
         if faults.count() > before {
             return None;
         }
-        let [columns, rows] = [sections_x, sections_y].map(|sections| count(sections));
-        // Every cell counts, so that a lattice with few tiles in many cells takes no time either.
-        if !room.take(columns.saturating_mul(rows), name.len(), format!("has {columns} x {rows} cells"), faults) {
-            return None;
+        let largest = |of: fn(&Interval) -> f64| {
+            let along = |intervals: &[Interval]| intervals.iter().map(|at| of(at).abs()).fold(0.0, f64::max);
+            [along(&columns), along(&rows)]
+        };
+        match self.strength_t {
+            Some(strength) => check_material(key, strength, faults),
+            None => {
+                let ([x, y], [z_of_x, z_of_y]) = (largest(|at| at.pattern), largest(|at| at.upright));
+                check_component(factor_t, DVec3::new(x, y, z_of_x + z_of_y).length(), faults);
+            }
         }
-        let columns = intervals(sections_x, self.start_mm[0]);
-        let rows = intervals(sections_y, self.start_mm[1]);
-        if columns.iter().chain(&rows).all(|interval| interval.pattern == 0.0) {
+        if largest(|at| at.pattern) == [0.0; 2] && largest(|at| at.upright) == [0.0; 2] {
             return faults.refuse("has no tiles: pattern is zero everywhere");
+        }
+        if faults.count() > before {
+            return None;
         }
         let z = self.start_mm[2] + 0.5 * self.height_mm;
         let mut tiles = Vec::new();
         for (i, column) in columns.iter().enumerate() {
             for (j, row) in rows.iter().enumerate() {
-                let pattern = DVec3::new(column.pattern, row.pattern, 0.0);
+                let upright = column.upright + row.upright;
+                // Opposite waves cancel but for round-off.
+                let upright = if upright.abs() < ROUND_OFF { 0.0 } else { upright };
+                let pattern = DVec3::new(column.pattern, row.pattern, upright);
                 if pattern == DVec3::ZERO {
                     continue;
                 }
@@ -121,11 +137,55 @@ impl LatticeTable {
         }
         Some(tiles)
     }
-}
 
-/// The largest absolute value in the patterns of an axis.
-fn largest(sections: &[LatticeSection]) -> f64 {
-    sections.iter().flat_map(|section| &section.pattern).fold(0.0, |largest: f64, value| largest.max(value.abs()))
+    /// The largest error of the field of a wave in slices where the volume is nearest to it, for a
+    /// film without end. `None` without a wave, and for a volume beside the film or in it.
+    pub(crate) fn slice_error(&self, volume: &WorkingVolume) -> Option<f64> {
+        let (lower, upper) = (self.start_mm[2], self.start_mm[2] + self.height_mm);
+        let distance_mm = (lower - volume.upper_mm.z).max(volume.lower_mm.z - upper);
+        Some(self.wave.as_ref()?.error_at(distance_mm)).filter(|_| distance_mm > 0.0)
+    }
+
+    /// The intervals of a wave along x and y, or `None` after adding faults.
+    fn slices(
+        &self,
+        wave: &WaveTable,
+        name: &str,
+        room: &mut Room,
+        faults: &mut TableFaults,
+    ) -> Option<[Vec<Interval>; 2]> {
+        let before = faults.count();
+        if !self.x.is_empty() || self.y.is_some() {
+            faults.add("gives wave and x, must give only one of them");
+        }
+        if self.strength_t.is_some() {
+            faults.add("gives strength_t, and a wave has component_t, its amplitude");
+        }
+        wave.check(faults);
+        if faults.count() > before {
+            return None;
+        }
+        let [columns, rows] = wave.counts();
+        let has_room = room.take(columns.saturating_mul(rows), name.len(), cells(columns, rows), faults);
+        has_room.then(|| wave.intervals(self.start_mm))
+    }
+
+    /// The intervals of sections along x and y, or `None` after adding faults.
+    fn sections(&self, name: &str, room: &mut Room, faults: &mut TableFaults) -> Option<[Vec<Interval>; 2]> {
+        let before = faults.count();
+        check_sections("x", &self.x, faults);
+        if let Some(y) = &self.y {
+            check_sections("y", y, faults);
+        }
+        let both = [&self.x, self.y.as_ref().unwrap_or(&self.x)];
+        let [columns, rows] = both.map(|sections| count(sections));
+        // Every cell counts, so that a lattice with few tiles in many cells takes no time either.
+        if faults.count() > before || !room.take(columns.saturating_mul(rows), name.len(), cells(columns, rows), faults)
+        {
+            return None;
+        }
+        Some([0, 1].map(|axis| intervals(both[axis], self.start_mm[axis])))
+    }
 }
 
 fn check_sections(axis: &str, sections: &[LatticeSection], faults: &mut TableFaults) {
@@ -151,11 +211,8 @@ fn check_sections(axis: &str, sections: &[LatticeSection], faults: &mut TableFau
     }
 }
 
-/// One interval of a lattice along one axis, in millimetres.
-struct Interval {
-    centre: f64,
-    width: f64,
-    pattern: f64,
+fn cells(columns: usize, rows: usize) -> String {
+    format!("has {columns} x {rows} cells")
 }
 
 /// Number of intervals along one axis, sections repeated.
@@ -177,7 +234,7 @@ fn intervals(sections: &[LatticeSection], start: f64) -> Vec<Interval> {
         let width_part = next - at;
         carry += (at - (next - width_part)) + (width - width_part);
         at = next;
-        Interval { centre: 0.5 * (low + (at + carry)), width, pattern }
+        Interval { centre: 0.5 * (low + (at + carry)), width, pattern, upright: 0.0 }
     };
     entries.map(interval).collect()
 }

@@ -7,10 +7,14 @@ use crate::faults::TableFaults;
 
 /// Findings about angles in radians.
 pub(crate) mod angles;
+/// Discs as strips of cuboids.
+pub(crate) mod disc;
 /// The tiles that each entry of the file makes.
 mod entries;
 /// All tiles of a file.
 mod file_tiles;
+/// Intervals of a lattice along one axis.
+mod interval;
 /// Cells of a `[[lattice]]` become tiles.
 pub(crate) mod lattice;
 /// The rule that tiles do not overlap.
@@ -21,6 +25,8 @@ pub(crate) mod repeat;
 pub(crate) mod room;
 /// One tile with its kind.
 pub(crate) mod single;
+/// A sinusoidal magnetization in slices.
+pub(crate) mod wave;
 
 pub(crate) use self::file_tiles::FileTiles;
 

@@ -54,10 +54,10 @@ pub(crate) enum Reflection {
     Keep,
 }
 
-/// The tile, its copies on the grid, and the mirror images of all of them. `None` after adding a
-/// fault.
+/// The parts of a tile, their copies on the grid, and the mirror images of all of them. `None`
+/// after adding a fault.
 pub(crate) fn resolve(
-    tile: NamedTile,
+    parts: Vec<NamedTile>,
     grid: Option<&GridTable>,
     mirror: Option<&MirrorTable>,
     room: &mut Room,
@@ -74,18 +74,24 @@ pub(crate) fn resolve(
         return None;
     }
     let copies = grid.map_or(1, |grid| grid.count.iter().fold(1, |product: usize, n| product.saturating_mul(*n)));
+    let copies = copies.saturating_mul(parts.len());
     let total = mirror.map_or(copies, |mirror| copies.saturating_mul(1 << mirror.axes.len()));
     let what = match (grid, mirror) {
         (Some(grid), None) => format!("grid.count = {:?} makes {total} tiles", grid.count),
         (Some(_), Some(_)) => format!("grid and mirror make {total} tiles"),
         (None, _) => format!("makes {total} tiles"),
     };
-    if !room.take(total, tile.name.len() + tile.kind.as_ref().map_or(0, String::len), what, faults) {
+    let name_bytes = |tile: &NamedTile| tile.name.len() + tile.kind.as_ref().map_or(0, String::len);
+    if !room.take(total, parts.iter().map(name_bytes).max().unwrap_or(0), what, faults) {
         return None;
     }
     let mut tiles = match grid {
-        None => vec![tile],
-        Some(grid) => copies_on_grid(&tile, grid, faults)?,
+        None => parts,
+        Some(grid) => {
+            let copies: Option<Vec<Vec<NamedTile>>> =
+                parts.iter().map(|part| copies_on_grid(part, grid, faults)).collect();
+            copies?.concat()
+        }
     };
     if let Some(mirror) = mirror {
         for &axis in &mirror.axes {

@@ -18,15 +18,18 @@ use crate::names::shown;
 use crate::plausible::{check_polarization, check_strength};
 use crate::rotation::RotationTable;
 use crate::tile::checked_tile;
+use crate::tile::disc::{Disc, DiscKeys};
 use crate::tile::repeat::{GridTable, MirrorTable};
 use crate::units::{direction_from_degrees, unit_vector};
 
 /// The properties that tiles of one kind have in common.
 #[derive(Deserialize, JsonSchema, Serialize)]
 pub(crate) struct KindTable {
-    /// Full side lengths along the tile's own axes, in mm.
+    /// Full side lengths along the tile's own axes, in mm. Required unless it is a disc.
     #[schemars(extend("example" = "[3.3, 1.7, 1.0]"))]
-    size_mm: [f64; 3],
+    size_mm: Option<[f64; 3]>,
+    #[serde(flatten)]
+    disc: DiscKeys,
     /// Magnitude of the polarization, in T. Each tile gives its direction.
     strength_t: Option<f64>,
     /// Polarization J = mu0 M in the tile's own frame, in T.
@@ -47,9 +50,12 @@ pub(crate) struct TileTable {
     /// Centre, in mm.
     #[schemars(extend("example" = "[0.0, 0.0, 0.5]"))]
     position_mm: [f64; 3],
-    /// Full side lengths along the tile's own axes, in mm. Required unless a kind gives them.
+    /// Full side lengths along the tile's own axes, in mm. Required unless a kind gives them, or the
+    /// tile is a disc.
     #[schemars(extend("example" = "[3.3, 1.7, 1.0]"))]
     size_mm: Option<[f64; 3]>,
+    #[serde(flatten)]
+    disc: DiscKeys,
     /// Polarization J = mu0 M in the tile's own frame, in T. Or give its magnitude as strength_t,
     /// with a direction.
     #[schemars(extend("example" = "[0.12, 0.0, 0.0]"))]
@@ -103,27 +109,41 @@ impl KindTable {
         if let Some(written) = self.recoil_permeability {
             written.resolve(faults);
         }
-        checked_tile(DVec3::ZERO, self.size_mm.into(), self.polarization_t.unwrap_or_default().into(), faults);
+        let size_mm = self.size_mm(faults).unwrap_or([1.0; 3]);
+        checked_tile(DVec3::ZERO, size_mm.into(), self.polarization_t.unwrap_or_default().into(), faults);
+    }
+
+    /// The sides, of the block around a disc, or `None` after adding a fault.
+    fn size_mm(&self, faults: &mut TableFaults) -> Option<[f64; 3]> {
+        let before = faults.count();
+        let disc = self.disc.resolve(self.size_mm.is_some(), faults);
+        match disc.map(|disc| disc.block_mm().to_array()).or(self.size_mm) {
+            Some(size_mm) => Some(size_mm),
+            None if faults.count() > before => None,
+            None => faults.refuse("has no size_mm"),
+        }
     }
 }
 
-/// The tile of one table with its kind resolved, or `None` after adding its faults.
+/// The tile of one table with its kind resolved, and the disc within it, or `None` after adding its
+/// faults.
 pub(crate) fn resolve(
     table: &TileTable,
     name: String,
     kinds: &BTreeMap<String, KindTable>,
     faults: &mut TableFaults,
-) -> Option<NamedTile> {
+) -> Option<(NamedTile, Option<Disc>)> {
     let before = faults.count();
     let kind = match &table.kind {
         None => None,
         Some(wanted) => Some(declared_kind(wanted, kinds, faults)?),
     };
-    let size = size(table, kind, faults);
+    let (size, disc) = size(table, kind, faults);
     let polarization = polarization(table, kind, faults).unwrap_or(DVec3::ZERO);
     let rotation = table.rotation.as_ref().and_then(|table| table.resolve(faults));
     // The size of a kind has been checked with the kind.
-    let own_size = if table.size_mm.is_some() { size? } else { [1.0; 3] };
+    let is_own = table.size_mm.is_some() || table.disc.shape.is_some();
+    let own_size = if is_own { size? } else { [1.0; 3] };
     checked_tile(table.position_mm.into(), own_size.into(), polarization, faults)?;
     let own_permeability = table.recoil_permeability.and_then(|written| written.resolve(faults));
     if faults.count() > before {
@@ -136,7 +156,7 @@ pub(crate) fn resolve(
     // Faults of a kind have been added with the kind.
     let of_kind = || kind?.recoil_permeability?.resolve(faults);
     let permeability = own_permeability.or_else(of_kind);
-    Some(NamedTile { name, kind: table.kind.clone(), rotation, tile, permeability })
+    Some((NamedTile { name, kind: table.kind.clone(), rotation, tile, permeability }, disc))
 }
 
 fn declared_kind<'k>(
@@ -158,11 +178,25 @@ fn declared_kind<'k>(
     kind
 }
 
-fn size(table: &TileTable, kind: Option<&KindTable>, faults: &mut TableFaults) -> Option<[f64; 3]> {
-    match (table.size_mm, kind.map(|k| k.size_mm)) {
-        (Some(size), None) | (None, Some(size)) => Some(size),
-        (Some(_), Some(_)) => faults.refuse("gives size_mm, which its kind already gives"),
-        (None, None) => faults.refuse("has no size_mm and no kind that gives it"),
+/// The sides, and the disc within them. No sides after adding a fault.
+fn size(table: &TileTable, kind: Option<&KindTable>, faults: &mut TableFaults) -> (Option<[f64; 3]>, Option<Disc>) {
+    let before = faults.count();
+    let own = table.disc.resolve(table.size_mm.is_some(), faults);
+    if faults.count() > before {
+        return (None, None);
+    }
+    // Faults of a kind have been added with the kind.
+    let of_kind = kind.and_then(|kind| kind.disc.resolve(false, faults).map(|disc| (disc, kind)));
+    let is_twice = kind.is_some() && (table.size_mm.is_some() || own.is_some());
+    match (own.or(of_kind.map(|(disc, _)| disc)), table.size_mm.or(kind.and_then(|kind| kind.size_mm))) {
+        _ if is_twice => {
+            let key = if table.size_mm.is_some() { "size_mm" } else { "shape" };
+            (faults.refuse(format!("gives {key}, which its kind already gives")), None)
+        }
+        (Some(disc), _) => (Some(disc.block_mm().to_array()), Some(disc)),
+        (None, Some(size_mm)) => (Some(size_mm), None),
+        (None, None) if kind.is_some() => (None, None),
+        (None, None) => (faults.refuse("has no size_mm and no kind that gives it"), None),
     }
 }
 

@@ -14,6 +14,7 @@ mod numbers;
 mod parts;
 mod rotations;
 mod sensor;
+mod shapes;
 mod single_tiles;
 mod tables;
 mod tolerance;

@@ -24,8 +24,9 @@ fn misfits_have_place_excerpt_and_sentence() {
   |
 7 | colour = \"red\"
   | ^^^^^^
-unknown field `colour`, expected one of `direction`, `direction_deg`, `grid`, `kind`, `mirror`, `name`, \
-                  `polarization_t`, `position_mm`, `recoil_permeability`, `rotation`, `size_mm`, `strength_t`, `tilt_deg`
+unknown field `colour`, expected one of `diameter_mm`, `direction`, `direction_deg`, `grid`, `height_mm`, \
+                  `kind`, `mirror`, `name`, `polarization_t`, `position_mm`, `recoil_permeability`, `rotation`, `shape`, \
+                  `shape_error`, `size_mm`, `strength_t`, `tilt_deg`
 t.toml: TOML parse error at line 8, column 8
   |
 8 | name = 3

@@ -18,6 +18,14 @@ pub struct LayoutSource {
     pub sha256: String,
     /// Version of the library.
     pub version: &'static str,
+    /// Largest error of the field one radius away from a disc, over the largest field there. `None`
+    /// without discs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub shape_error: Option<f64>,
+    /// Largest error of the field of a wave in slices where the working volume is nearest to it, over
+    /// the field there. `None` without waves.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub slice_error: Option<f64>,
 }
 
 /// The source of a result that depends on the field of a film.
@@ -41,17 +49,26 @@ pub struct Source {
 impl LayoutSource {
     /// The source of a result of this layout.
     pub fn of(layout: &Layout) -> LayoutSource {
-        LayoutSource { layout: layout.name.clone(), sha256: layout.sha256.clone(), version: env!("CARGO_PKG_VERSION") }
+        LayoutSource {
+            layout: layout.name.clone(),
+            sha256: layout.sha256.clone(),
+            version: env!("CARGO_PKG_VERSION"),
+            shape_error: layout.shape_error,
+            slice_error: layout.slice_error,
+        }
     }
 
     /// Metadata of a table: the layout, its hash, the version, and the number of tiles.
     pub fn metadata(&self, tiles: usize) -> Metadata {
-        vec![
+        let mut metadata = vec![
             ("layout", MetadataValue::Text(self.layout.clone())),
             ("sha256", MetadataValue::Text(self.sha256.clone())),
             ("version", MetadataValue::Text(self.version.to_owned())),
             ("tiles", MetadataValue::Count(tiles)),
-        ]
+        ];
+        let errors = [("shape_error", self.shape_error), ("slice_error", self.slice_error)].into_iter();
+        metadata.extend(errors.filter_map(|(key, error)| Some((key, MetadataValue::Numbers(vec![error?])))));
+        metadata
     }
 }
 

@@ -42,6 +42,14 @@ class OfLayout(Result):
     layout: str = key("Name of the layout.")
     sha256: str = key("SHA-256 of the text of the layout.")
     version: str = key("Version of the library.")
+    shape_error: float | None = key(
+        """Largest error of the field one radius away from a disc, as a fraction of the largest field
+        there; None without discs."""
+    )
+    slice_error: float | None = key(
+        """Largest error of the field of a wave in slices where the working volume is nearest to it, as
+        a fraction of the field there; None without waves."""
+    )
 
 
 class OfFilm(OfLayout):
