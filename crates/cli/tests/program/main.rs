@@ -32,6 +32,7 @@ mod iron;
 mod measured_files;
 mod own_files;
 mod point_files;
+mod published_devices;
 #[cfg(target_os = "linux")]
 mod progress;
 mod radians;
