@@ -1,8 +1,9 @@
 //! Placement orders of the tiles of a film, and the force that must hold each tile.
 //!
 //! Tiles are placed one by one and glued. During placement only the tiles already there act on a
-//! tile, and its own images in iron. The holding force of a step is the magnitude of their force on it, and the holding force
-//! of an order is the largest of its steps. Tiles already placed are assumed to hold.
+//! tile, and its own images in iron. The holding force of a step is the magnitude of their force on
+//! it, and the holding force of an order is the largest of its steps. Tiles already placed are
+//! assumed to hold.
 
 use crate::film_forces::FilmForces;
 use magsplice_pair::Load;

@@ -71,8 +71,8 @@ pub struct Layout {
     pub iron: IronPlanes,
     /// The material of the tiles.
     pub material: Material,
-    /// Largest error of the field one radius away from a disc that strips of cuboids stand for, as a
-    /// fraction of the largest field there. `None` without discs.
+    /// Largest error of the field one radius away from a disc that strips of cuboids stand for, as
+    /// a fraction of the largest field there. `None` without discs.
     pub shape_error: Option<f64>,
     /// Largest error of the field of a wave in slices where the working volume is nearest to it, as
     /// a fraction of the field there. `None` without waves or a volume beside them.

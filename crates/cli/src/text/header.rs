@@ -8,14 +8,15 @@ use magsplice::results::HeadSummary;
 
 use super::number::counted;
 use super::recoil;
+use super::units::in_per_cent;
 
 /// Name, tiles, accuracy of their shapes, and hash of a layout.
 pub(crate) fn layout(layout: &Layout) -> String {
-    let shapes = layout
-        .shape_error
-        .map_or(String::new(), |error| format!(" (discs as strips, right to {:.2} % one radius away)", 100.0 * error));
+    let shapes = layout.shape_error.map_or(String::new(), |error| {
+        format!(" (discs as strips, right to {:.2} % one radius away)", in_per_cent(error))
+    });
     let slices = layout.slice_error.map_or(String::new(), |error| {
-        let percent = 100.0 * error;
+        let percent = in_per_cent(error);
         let percent = if percent < 0.01 { format!("{percent:.0e}") } else { format!("{percent:.2}") };
         format!(" (waves in slices, right to {percent} % in the volume)")
     });

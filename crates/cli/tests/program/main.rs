@@ -32,9 +32,9 @@ mod iron;
 mod measured_files;
 mod own_files;
 mod point_files;
-mod published_devices;
 #[cfg(target_os = "linux")]
 mod progress;
+mod published_devices;
 mod radians;
 mod real_films;
 mod recoil;

@@ -50,8 +50,8 @@ pub(crate) struct TileTable {
     /// Centre, in mm.
     #[schemars(extend("example" = "[0.0, 0.0, 0.5]"))]
     position_mm: [f64; 3],
-    /// Full side lengths along the tile's own axes, in mm. Required unless a kind gives them, or the
-    /// tile is a disc.
+    /// Full side lengths along the tile's own axes, in mm. Required unless a kind gives them, or
+    /// the tile is a disc.
     #[schemars(extend("example" = "[3.3, 1.7, 1.0]"))]
     size_mm: Option<[f64; 3]>,
     #[serde(flatten)]
