@@ -87,7 +87,8 @@ impl<C> Rows<C> {
 
     /// The remark on columns of one vector, such as "the coordinates", with different units.
     pub(crate) fn remark_on_units(&self, columns: &[Column], what: &str) -> Option<String> {
-        let is_other = |column: &Column| !column.unit.is_same(columns[0].unit);
+        // A count is another flux density along each axis.
+        let is_other = |column: &Column| !column.unit.is_count && !column.unit.is_same(columns[0].unit);
         let (path, line) = (self.path.display(), self.table.names_line);
         columns
             .iter()

@@ -35,7 +35,8 @@ fn units_of_instruments_are_read() {
         ("B_x/mT;B_y/mT;B_z/mT", "0;0;2", "0,1;-0,2;2,5"),
         ("b_x_t,b_y_t,b_z_t", "0,0,2e-3", "1e-4,-2e-4,2.5e-3"),
         ("bx mT\tby mT\tbz mT", "0\t0\t2", "0.1\t-0.2\t2.5"),
-        ("Bx_kG Gs By_Gs Bz_mG", "0 7 0 2e4", "1e-3 7 -2 2.5e4"),
+        ("Bx_kG Gs By_kG Bz_kG", "0 7 0 2e-2", "1e-3 7 -2e-3 2.5e-2"),
+        ("Bx_mG By_mG Bz_mG", "0 0 2e4", "1e3 -2e3 2.5e4"),
         ("Hx (Oe),Hy (Oe),Hz (Oe)", "0,0,20", "1,-2,25"),
         ("\"Bx (mT)\", \"By (mT)\", \"Bz (mT)\", \"Sample, no\"", "0, 0, 2, \"a, b\"", "0.1, -0.2, 2.5, c"),
         ("\"Sample number\" \"Bx (mT)\" \"By (mT)\" \"Bz (mT)\"", "1 0 0 2", "2 0.1 -0.2 2.5"),
@@ -45,6 +46,8 @@ fn units_of_instruments_are_read() {
         same(&format!("\u{feff}{names}\r\n{first}\r\n{second}"), "", &[]);
     }
     same("Bx,By,Bz\n0,0,20\n1,-2,25\n", "", &["--unit", "g"]);
+    let mixed = read("Bx_kG,By_G,Bz_mG\n0,0,2e4\n", "", &[]);
+    assert!(mixed.stderr.contains("the readings have different units: Bx_kG, By_G, Bz_mG"), "{}", mixed.stderr);
 }
 
 /// Counts of the MLX90393 with GAIN_SEL = 7 and RES = 0: 0.15 uT along x and y, 0.242 uT along z.

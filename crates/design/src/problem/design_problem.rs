@@ -115,7 +115,11 @@ impl<'a> DesignProblem<'a> {
                 return Err(DesignError::NotDisplacement);
             }
             (Under::Tolerance, Some(tolerance)) => {
-                Some(ErrorModel::new(tolerance, tiles.len(), &sampling, brief.weights)?)
+                let has_iron = tolerance.common.iron.is_some();
+                if has_iron && (layout.has_recoil() || brief.varies(Variable::Head)) {
+                    return Err(DesignError::NearIron);
+                }
+                Some(ErrorModel::new(tolerance, &tiles, &sampling, brief.weights)?)
             }
         };
         let least_squares = LeastSquares {

@@ -4,10 +4,11 @@
 use glam::{DMat3, DVec3};
 use magsplice_field::Scene;
 use magsplice_layout::{CommonErrors, Distribution, FilmTolerance, SensorErrors, TileErrors};
-use magsplice_magnet::{PerTileError, Quantity};
+use magsplice_magnet::{PerTileError, Quantity, Tile};
 use magsplice_tolerance::mean_square;
 
 use crate::error::DesignError;
+use crate::problem::near_iron::IronImages;
 use crate::problem::objective::Objective;
 use crate::problem::pattern::{Pattern, VariableTile};
 use crate::problem::reading::{Reading, WeightedSensor};
@@ -29,8 +30,10 @@ pub(crate) struct ErrorModel {
     pub(crate) of_sensors: Vec<SensorChange>,
     /// Mean squares of the noise of each reading along x, y, z, in square tesla.
     pub(crate) noise: DVec3,
+    /// Iron near the film.
+    pub(crate) iron: Option<IronImages>,
     /// Whether images of a tile have the same sensitivities, apart from the symmetry operation.
-    symmetric: bool,
+    pub(crate) symmetric: bool,
     /// Whether the errors of all sensors of a head together have the same effect at the images of a
     /// point.
     pub(crate) has_symmetric_sensors: bool,
@@ -118,16 +121,14 @@ impl ErrorModel {
     /// The model of the errors of a layout.
     ///
     /// # Errors
-    /// If a neighbouring film has no field at a point of the grid, or iron is near the film.
+    /// If a neighbouring film has no field at a point of the grid, or iron near the film is not
+    /// parallel to it at a distance without errors.
     pub(crate) fn new(
         tolerance: &FilmTolerance,
-        tile_count: usize,
+        ordered: &[Tile],
         sampling: &Sampling,
         weights: [f64; 3],
     ) -> Result<ErrorModel, DesignError> {
-        if tolerance.common.iron.is_some() {
-            return Err(DesignError::NearIron);
-        }
         let mean_squares = |errors: &TileErrors| errors.each_ref().map(mean_square);
         let mut joint: Vec<JointErrors> = (tolerance.groups.iter())
             .map(|group| JointErrors {
@@ -138,7 +139,7 @@ impl ErrorModel {
             })
             .collect();
         let pose = |position: &[Distribution; 3], rotation: &[Distribution; 3], sensor: Option<usize>| JointErrors {
-            tiles: (0..tile_count).collect(),
+            tiles: (0..ordered.len()).collect(),
             mean_squares: mean_squares(&TileErrors {
                 position: position.clone(),
                 rotation: rotation.clone(),
@@ -166,6 +167,7 @@ impl ErrorModel {
             common: common_errors(&tolerance.common, sampling)?,
             of_sensors: if reading.is_single() { Vec::new() } else { sensor_changes(sensor_errors, reading) },
             noise: vector(&sensor_errors.noise_t) * reading.mean_squares(),
+            iron: tolerance.common.iron.as_ref().map(|iron| IronImages::new(iron, ordered, sampling)).transpose()?,
             symmetric,
             has_symmetric_sensors: symmetric && (exchangeable || !sampling.exchanges()),
         })

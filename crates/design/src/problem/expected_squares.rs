@@ -17,7 +17,7 @@ use magsplice_magnet::TileError;
 use rayon::prelude::*;
 
 use crate::problem::error_model::{ErrorImage, ErrorModel, RobustFilm};
-use crate::problem::joint_response::{JointResponse, joint_responses, sensor_response};
+use crate::problem::joint_response::{JointResponse, iron_response, joint_responses, sensor_response};
 use crate::problem::objective::ExpectedSquares;
 use crate::problem::pattern::VariableTile;
 use crate::problem::symmetry::SymmetryOperation;
@@ -320,6 +320,11 @@ impl Rows<'_> {
         for change in &model.of_sensors {
             let response = sensor_response(change, &numbers_of(&distinct), self.film)?;
             self.add_response(&response, &distinct, squares);
+        }
+        if let Some(iron) = &model.iron {
+            let points = if model.symmetric { self.distinct_points() } else { all };
+            let response = iron_response(iron, &numbers_of(&points), self.film)?;
+            self.add_response(&response, &points, squares);
         }
         Some(())
     }

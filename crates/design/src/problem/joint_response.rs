@@ -4,6 +4,7 @@ use glam::DVec3;
 use magsplice_magnet::{Axis, BoundingBox, DirectionError, PerTileError, TileError};
 
 use crate::problem::error_model::{Centre, JointErrors, RobustFilm, SensorChange};
+use crate::problem::near_iron::IronImages;
 use crate::problem::pattern::{VariableTile, image};
 use crate::problem::symmetry::SymmetryOperation;
 use crate::problem::tile_response::{RespondingTile, TileResponse, numbers};
@@ -46,6 +47,19 @@ pub(crate) fn sensor_response(change: &SensorChange, points: &[usize], film: &Ro
         response.changes[at] = change.by_field * operation.apply(b_t);
         let into = response.derivatives[at * n..][..n].iter_mut();
         into.zip(derivatives).for_each(|(into, by)| *into = change.by_field * operation.apply(*by));
+    }
+    Some(response)
+}
+
+/// The response to iron near the film at these points of the grid: the reading of its images.
+pub(crate) fn iron_response(iron: &IronImages, points: &[usize], film: &RobustFilm) -> Option<JointResponse> {
+    let n = film.field.variable_count;
+    let read = iron.read(film.pattern, film.variables, points, n > 0)?;
+    let mut response = JointResponse::new(points.len() + 1, n);
+    let is_there = |at: usize| at < points.len() || !iron.later;
+    for (at, of_images) in read.into_iter().enumerate().filter(|(at, _)| is_there(*at)) {
+        response.changes[at] = of_images.value;
+        response.derivatives[at * n..][..n].copy_from_slice(&of_images.derivatives);
     }
     Some(response)
 }

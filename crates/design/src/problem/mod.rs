@@ -12,6 +12,8 @@ mod expected_squares;
 mod joint_response;
 /// The least-squares problem, and films that are compared in it.
 pub(crate) mod least_squares;
+/// Flat iron near the film: the reading of its images.
+mod near_iron;
 /// Residuals of each goal, with derivatives.
 pub(crate) mod objective;
 /// Tiles as functions of the variables.

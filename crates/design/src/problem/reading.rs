@@ -77,6 +77,13 @@ impl Reading {
         (0..self.sensors.len()).all(|sensor| self.image(sensor, operation).is_some())
     }
 
+    /// The reading of a board whose mirror image in its own plane is this one.
+    pub(crate) fn upside_down(&self) -> Reading {
+        let place = |of: DVec3| DVec3::new(of.x, of.y, -of.z);
+        let turned = |of: &WeightedSensor| WeightedSensor { place: place(of.place), weight: of.weight };
+        Reading { sensors: self.sensors.iter().map(turned).collect() }
+    }
+
     /// The places of the sensors at each point, sensor fastest.
     pub(crate) fn places(&self, points: &[DVec3]) -> Vec<DVec3> {
         points.iter().flat_map(|point| self.sensors.iter().map(|sensor| *point + sensor.place)).collect()

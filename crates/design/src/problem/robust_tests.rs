@@ -1,11 +1,16 @@
 //! Tests of the expected square: its value against the model of first order, its derivatives
 //! against differences.
 
+use glam::DVec3;
+use magsplice_decouple::{Branch, Parameters};
+use magsplice_field::Scene;
 use magsplice_layout::{Layout, Under, WorkingVolume};
+use magsplice_magnet::{Quantity, Tile};
 use magsplice_tolerance::{EvaluationGrid, FirstOrder, RealFilm};
 
 use crate::derivative_tests::HEADS;
 use crate::problem::design_problem::DesignProblem;
+use crate::problem::reading::Reading;
 
 const TABLES: &str = "format = 1\nname = \"film\"\n[ideal]\nwavelength_mm = 10.0\nthickness_mm = 1.0\namplitude_t = 0.12\n[volume]\nx_mm = [-1.5, 2.0]\n\
                       y_mm = [-1.0, 1.0]\nz_mm = [-5.0, -3.0]\nstep_mm = 1.0\n";
@@ -135,12 +140,19 @@ fn derivatives_of_the_expected_square_agree_with_central_differences() {
     let all = "\"thickness\", \"direction\", \"tilt\", \"strength\"]\nweights = { r_x = 1.0, r_y = 2.0, s_z = 0.5 }";
     let shared = format!("{TILE_ERRORS}{SHARED_ERRORS}");
     let with_sensors = with_displaced_sensors(&shared);
+    let iron = |when: &str| {
+        format!("{TILE_ERRORS}iron = {{ distance_mm = 2.0, relative_permeability = 20.0, when = \"{when}\" }}\n")
+    };
+    let [iron_before, iron_after] = ["before", "after"].map(iron);
     let mirrored = format!("vary = [\"size\", \"position\", {all}\nsymmetry = \"mirror\"");
     for (errors, design, tiles, head) in [
         (&shared, mirrored.clone(), MIRRORED, ""),
         (&shared, format!("vary = [\"cut\", {all}\nsymmetry = \"mirror\""), MIRRORED, ""),
         (&shared, format!("vary = [\"size\", {all}"), PAIR, ""),
         (&shared, format!("vary = [\"position\", {all}"), PAIR, ""),
+        (&iron_after, mirrored.clone(), MIRRORED, ""),
+        (&iron_before, format!("vary = [\"size\", {all}"), PAIR, ""),
+        (&iron_after, mirrored.clone(), MIRRORED, HEADS[0]),
         (&with_sensors, mirrored.clone(), MIRRORED, HEADS[0]),
         (&with_sensors, mirrored.clone(), MIRRORED, HEADS[1]),
         (&with_sensors, mirrored, MIRRORED, HEADS[2]),
@@ -177,6 +189,51 @@ fn derivatives_of_the_expected_square_agree_with_central_differences() {
                 let [a, b] = [variable * n + other, other * n + variable].map(|at| expected.curvature[at]);
                 assert!((a - b).abs() <= 1e-9 * (a.abs() + b.abs() + 1e-30), "{variable}, {other}: {a} and {b}");
             }
+        }
+    }
+}
+
+/// What iron adds, from its definition: the field of image tiles times the derivatives of the
+/// parameters, without symmetry and with, and below a head.
+#[test]
+fn iron_adds_the_square_of_what_its_images_change() {
+    for (tiles, design, head) in [(PAIR, "", ""), (MIRRORED, "symmetry = \"mirror\"", ""), (PAIR, "", HEADS[1])] {
+        for when in ["before", "after"] {
+            let iron = format!(
+                "[tolerance]\niron = {{ distance_mm = 1.5, relative_permeability = 9.0, when = \"{when}\" }}\n"
+            );
+            let layout = layout(&iron, &format!("vary = [\"size\"]\n{design}"), &format!("{tiles}{head}"));
+            let problem = DesignProblem::new(&layout).unwrap_or_else(|e| panic!("{e}"));
+            let residuals = problem.least_squares.residuals(&problem.pattern, &problem.pattern.start, false).unwrap();
+            let found = 2.0 * residuals.expected.expect("errors").loss;
+
+            let film = layout.bare_tiles();
+            let stated = layout.tolerance.as_ref().and_then(|tolerance| tolerance.common.iron.as_ref()).expect("iron");
+            let plane = stated.plane(&film, 0.0).expect("a plane");
+            let images: Vec<Tile> = film.iter().map(|tile| plane.image(tile).expect("a tile")).collect();
+            let volume = layout.volume.unwrap();
+            let points: Vec<DVec3> = volume.grid.points().chain([volume.reference_mm]).collect();
+            let reading = Reading::new(layout.head());
+            let read = |tiles: &[Tile]| -> Vec<DVec3> {
+                let at_places = Scene::new(tiles).field_at(Quantity::FluxDensity, &reading.places(&points)).unwrap();
+                let of_point = |values: &[DVec3]| reading.sum(values.iter().copied());
+                at_places.chunks_exact(reading.sensors().len()).map(of_point).collect()
+            };
+            let (read_t, mut changes_t) = (read(&film), read(&images));
+            let last = points.len() - 1;
+            if when == "after" {
+                changes_t[last] = DVec3::ZERO;
+            }
+            let branch = Branch::from_axis_field(read_t[last]).expect("a field");
+            let change = |point: usize| {
+                let (_, by) = Parameters::with_derivatives(read_t[point], branch).expect("regular");
+                DVec3::new(by.r_x.dot(changes_t[point]), by.r_y.dot(changes_t[point]), by.s_z.dot(changes_t[point]))
+            };
+            let k = layout.ideal.unwrap().wavenumber();
+            let weights = DVec3::from(problem.least_squares.objective.weights) / k;
+            let square = |point: usize| (weights * (change(point) - change(last))).length_squared();
+            let expected = (0..last).map(square).sum::<f64>() / last as f64;
+            assert!((found / expected - 1.0).abs() < 1e-9, "{design} {head} {when}: {found} is not {expected}");
         }
     }
 }

@@ -31,6 +31,7 @@ pub(crate) struct Sampling {
     /// The part of B that recoil adds at the places, in tesla; zero without recoil.
     pub(crate) recoil_t: Vec<DVec3>,
     operations: Vec<SymmetryOperation>,
+    pub(crate) symmetry: Symmetry,
 }
 
 /// B in tesla as read at the computed points, and its derivatives with respect to the variables,
@@ -81,7 +82,7 @@ impl Sampling {
         computed.push(reference);
         let places = reading.places(&computed);
         let recoil_t = vec![DVec3::ZERO; places.len()];
-        Sampling { grid, reference, computed, images, reading, places, recoil_t, operations }
+        Sampling { grid, reference, computed, images, reading, places, recoil_t, operations, symmetry }
     }
 
     pub(crate) fn computed(&self) -> &[DVec3] {
