@@ -6,8 +6,8 @@ use glam::DVec3;
 use magsplice_head::Board;
 use magsplice_ideal::IdealFilm;
 use magsplice_layout::{
-    Brief, FilmTolerance, Goal, Layout, LayoutError, LayoutFault, MAX_LENGTH_RATIO, NamedTile, Outline, Preset,
-    SHORTEST_WAVELENGTH_MM, STRONGEST_MAGNET_T, StatedSensor, Symmetry, Variable, WorkingVolume,
+    Brief, FilmTolerance, Goal, Layout, LayoutError, LayoutFault, MAX_LENGTH_RATIO, NamedTile, NearIron, Outline,
+    Preset, SHORTEST_WAVELENGTH_MM, STRONGEST_MAGNET_T, StatedSensor, Symmetry, Under, Variable, WorkingVolume,
 };
 use magsplice_magnet::Tile;
 
@@ -47,6 +47,10 @@ pub struct SpliceRequest {
     pub smallest_cut_mm: f64,
     /// Usual errors of the tiles, for the table `[tolerance]` of the film. Default: none.
     pub preset: Option<Preset>,
+    /// Whether iron that comes near the upper face after the first reading, at a tenth of the
+    /// wavelength, is one of the errors of the film, for `[tolerance.iron]`. Films are then designed
+    /// under their errors, magnetized out of the plane too. Default: no.
+    pub one_sided: bool,
     /// The sensor below the film. Default: none.
     pub sensor: Option<StatedSensor>,
     /// The board of a head of such sensors, and their spacing where it is not that of the board.
@@ -60,6 +64,10 @@ pub struct SpliceRequest {
 
 /// Default of the shortest side of a tile, as a fraction of the wavelength.
 pub(crate) const SMALLEST_CUT: f64 = 0.08;
+
+/// Distance of iron from the upper face of a one-sided film, as a fraction of the wavelength: the
+/// thickness of a cup, or of the glue on a back plate.
+const IRON_DISTANCE: f64 = 0.1;
 
 /// Points of the working volume along each axis.
 const POINTS: [usize; 3] = [9, 9, 5];
@@ -87,6 +95,7 @@ impl SpliceRequest {
             distance_mm: [fraction(0.3), fraction(0.5)],
             smallest_cut_mm: fraction(SMALLEST_CUT),
             preset: None,
+            one_sided: false,
             sensor: None,
             head: None,
             brief: Brief { goal: Goal::Displacement, least_amplitude: Some(0.65), ..Brief::default() },
@@ -124,7 +133,12 @@ impl SpliceRequest {
         // In the order in which a file lists the tiles: samples of films as made depend on it.
         let written = Layout::parse(&layout.to_compact_toml(), "spliced film");
         let tiles = written.expect("a valid layout is a valid file").tiles;
-        let tolerance = self.preset.map(|preset| FilmTolerance::of_tiles(&preset.errors(), tiles.len()));
+        let mut tolerance = self.preset.map(|preset| FilmTolerance::of_tiles(&preset.errors(), tiles.len()));
+        if self.one_sided {
+            let distance_mm = four_digits(IRON_DISTANCE * self.wavelength_mm);
+            let iron = NearIron { distance_mm, ..NearIron::default() };
+            tolerance.get_or_insert_default().common.iron = Some(iron);
+        }
         Ok(Layout { brief: Some(self.brief()), tolerance, tiles, ..layout })
     }
 
@@ -177,8 +191,10 @@ impl SpliceRequest {
     fn brief(&self) -> Brief {
         let square = self.film_mm[0] == self.film_mm[1] && self.range_mm[0] == self.range_mm[1];
         let [x, y] = self.film_mm.map(|extent| Some([-0.5 * extent, 0.5 * extent]));
+        let in_plane = [Variable::Size, Variable::Position, Variable::Direction];
         Brief {
-            vary: [Variable::Size, Variable::Position, Variable::Direction].into(),
+            vary: in_plane.into_iter().chain(self.one_sided.then_some(Variable::Tilt)).collect(),
+            under: if self.one_sided { Under::Tolerance } else { self.brief.under },
             symmetry: if square { Symmetry::FourFold } else { Symmetry::Mirror },
             outline_mm: Outline { x, y },
             smallest_cut_mm: Some(self.smallest_cut_mm),

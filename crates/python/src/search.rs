@@ -79,6 +79,7 @@ pub(crate) fn pattern(
     seed: u64,
     preset: Option<&str>,
     under: &str,
+    one_sided: bool,
     sensor: Option<&str>,
     name: Option<String>,
 ) -> PyResult<String> {
@@ -100,6 +101,7 @@ pub(crate) fn pattern(
         distance_mm: distance_mm.map_or(default.distance_mm, distances_of),
         smallest_cut_mm: smallest_cut_mm.unwrap_or(default.smallest_cut_mm),
         preset,
+        one_sided,
         sensor,
         brief: Brief {
             gap_mm,

@@ -250,3 +250,9 @@ def test_splice_searches_from_the_pattern():
     assert start.history == []
     with pytest.raises(TypeError, match="wavelength"):
         magsplice.splice(10, (10, 10), wavelength=3)
+
+
+def test_one_sided_patterns_have_iron_among_their_errors():
+    film = magsplice.pattern(10, (20, 20), one_sided=True)
+    assert "[tolerance.iron]" in film.to_toml()
+    assert "[tolerance" not in magsplice.pattern(10, (20, 20)).to_toml()

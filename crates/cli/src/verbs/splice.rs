@@ -83,6 +83,10 @@ pub(crate) struct SpliceArgs {
     /// which takes several times as long
     #[arg(long, value_enum, default_value = "nominal", requires_if("tolerance", "preset"))]
     under: UnderArg,
+    /// Keep errors small when flat iron comes near the upper face, at 0.1 of the wavelength: with
+    /// tiles magnetized out of the plane too, for the errors of --preset and of this iron
+    #[arg(long)]
+    one_sided: bool,
     /// Part with known noise, counts and range, for the table [sensor] of the film
     #[arg(long, value_name = "PART", ignore_case = true,
         value_parser = sensor_part())]
@@ -126,6 +130,7 @@ impl SpliceArgs {
             distance_mm: self.distance.unwrap_or(default.distance_mm),
             smallest_cut_mm: self.smallest_cut.unwrap_or(default.smallest_cut_mm),
             preset: self.preset.map(layout::Preset::from),
+            one_sided: self.one_sided,
             sensor: self.sensor.as_deref().cloned(),
             head: self.head.map(|board| (board, self.spacing)),
             brief: Brief {

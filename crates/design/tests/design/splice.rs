@@ -17,6 +17,7 @@ fn request() -> SpliceRequest {
         distance_mm: [3.0, 5.0],
         smallest_cut_mm: 0.9,
         preset: Some(Preset::Jig),
+        one_sided: false,
         sensor: StatedSensor::of_part("MLX90393"),
         head: None,
         brief: Brief {
@@ -47,6 +48,24 @@ fn layout_has_the_errors_and_the_sensor_of_the_request() {
     }
     let bare = SpliceRequest::new(10.0, [20.0, 20.0]).layout().unwrap_or_else(|e| panic!("{e}"));
     assert_eq!((bare.tolerance, bare.sensor), (None, None));
+}
+
+/// A one-sided film has iron at a tenth of the wavelength among its errors, alone or beside those of
+/// the tiles, and directions out of the plane.
+#[test]
+fn one_sided_films_are_designed_for_iron() {
+    for preset in [None, Some(Preset::Jig)] {
+        let request = SpliceRequest { one_sided: true, preset, ..request() };
+        let layout = request.layout().unwrap_or_else(|e| panic!("{e}"));
+        let read = Layout::parse(&layout.to_toml(), "spliced").unwrap_or_else(|e| panic!("{e}"));
+        for layout in [layout, read] {
+            let tolerance = layout.tolerance.expect("errors");
+            let iron = tolerance.common.iron.expect("iron");
+            assert_eq!((iron.distance_mm, iron.later, tolerance.tiles.is_empty()), (1.2, true, preset.is_none()));
+            let brief = layout.brief.expect("a brief");
+            assert!(brief.under == Under::Tolerance && brief.vary.contains(&Variable::Tilt));
+        }
+    }
 }
 
 fn brief(request: &SpliceRequest) -> Brief {

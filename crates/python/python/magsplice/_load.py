@@ -88,6 +88,7 @@ def pattern(
     seed: int = 1,
     preset: Preset | None = None,
     under: Literal["nominal", "tolerance"] = "nominal",
+    one_sided: bool = False,
     sensor: str | None = None,
     name: str | None = None,
 ) -> Film:
@@ -128,6 +129,9 @@ def pattern(
         Usual errors of the tiles, for the table ``[tolerance]`` of the film.
     under : {"nominal", "tolerance"}
         Films whose error the search minimizes: as ordered, or as made with the errors of `preset`.
+    one_sided : bool
+        Keep errors small when flat iron comes near the upper face, at a tenth of the wavelength:
+        with tiles magnetized out of the plane too, for the errors of `preset` and of this iron.
     sensor : str, optional
         Part with known noise, counts and range, such as "MLX90393", for the table ``[sensor]``.
     name : str, optional
@@ -163,6 +167,7 @@ def pattern(
         seed,
         preset,
         under,
+        one_sided,
         sensor,
         name,
     )
@@ -192,7 +197,7 @@ def splice(
     **request
         Other arguments of `pattern`: ``thickness_mm``, ``range_mm``, ``distance_mm``,
         ``smallest_cut_mm``, ``gap_mm``, ``resolution_mm``, ``parts``, ``preset``, ``under``,
-        ``sensor``, ``name``, ...
+        ``one_sided``, ``sensor``, ``name``, ...
 
     Returns
     -------

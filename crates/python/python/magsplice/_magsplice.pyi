@@ -248,6 +248,7 @@ def pattern(
     seed: int,
     preset: str | None,
     under: str,
+    one_sided: bool,
     sensor: str | None,
     name: str | None,
 ) -> str: ...
