@@ -44,7 +44,7 @@ pub enum DesignError {
     /// The layout has flat iron.
     #[error("films are designed without the field of iron: leave out [[plane]]")]
     Iron,
-    /// The iron near the film is tilted or has errors, or recoil or the spacing of a head count too.
+    /// The iron near the film is tilted or has errors, or recoil or the spacing of a head counts.
     #[error(
         "films are designed for iron that is parallel to the film, at a distance without errors, without recoil and with a \
          head of fixed spacing: change [tolerance.iron], or leave it out"

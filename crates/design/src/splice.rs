@@ -48,8 +48,8 @@ pub struct SpliceRequest {
     /// Usual errors of the tiles, for the table `[tolerance]` of the film. Default: none.
     pub preset: Option<Preset>,
     /// Whether iron that comes near the upper face after the first reading, at a tenth of the
-    /// wavelength, is one of the errors of the film, for `[tolerance.iron]`. Films are then designed
-    /// under their errors, magnetized out of the plane too. Default: no.
+    /// wavelength, is one of the errors of the film, for `[tolerance.iron]`. Films are then
+    /// designed under their errors, magnetized out of the plane too. Default: no.
     pub one_sided: bool,
     /// The sensor below the film. Default: none.
     pub sensor: Option<StatedSensor>,

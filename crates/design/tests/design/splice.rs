@@ -50,8 +50,8 @@ fn layout_has_the_errors_and_the_sensor_of_the_request() {
     assert_eq!((bare.tolerance, bare.sensor), (None, None));
 }
 
-/// A one-sided film has iron at a tenth of the wavelength among its errors, alone or beside those of
-/// the tiles, and directions out of the plane.
+/// A one-sided film has iron at a tenth of the wavelength among its errors, alone or beside those
+/// of the tiles, and directions out of the plane.
 #[test]
 fn one_sided_films_are_designed_for_iron() {
     for preset in [None, Some(Preset::Jig)] {
