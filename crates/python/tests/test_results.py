@@ -248,8 +248,14 @@ def test_splice_searches_from_the_pattern():
     assert found.film.history[0].startswith(f"magsplice {magsplice.__version__} splice: from")
     assert len(found.film) == len(start)
     assert start.history == []
-    with pytest.raises(TypeError, match="wavelength"):
+    with pytest.raises(
+        TypeError, match=r"splice\(\) .* 'wavelength'; did you mean 'wavelength_mm'"
+    ):
         magsplice.splice(10, (10, 10), wavelength=3)
+    with pytest.raises(TypeError, match=r"film_mm = 20, must be two numbers"):
+        magsplice.splice(10, 20)
+    with pytest.raises(TypeError, match=r"distance_mm = 3, must be two numbers"):
+        magsplice.pattern(10, (10, 10), distance_mm=3)
 
 
 def test_one_sided_patterns_have_iron_among_their_errors():

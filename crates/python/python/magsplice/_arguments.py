@@ -22,6 +22,15 @@ def whole(name: str, value: Any, least: int, most: int = LARGEST_SEED) -> int:
     return number
 
 
+def pair(name: str, value: Any) -> tuple[float, float]:
+    """Two numbers. TypeError for other values."""
+    try:
+        first, second = (float(number) for number in value)
+    except (TypeError, ValueError):
+        raise TypeError(f"{name} = {value!r}, must be two numbers") from None
+    return first, second
+
+
 def one_of(name: str, value: Any, choices: Iterable[str]) -> str:
     """One of some words. ValueError for other values."""
     known = list(choices)

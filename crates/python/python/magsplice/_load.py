@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import difflib
+import inspect
 import os
 from collections.abc import Callable
 from pathlib import Path
@@ -10,7 +12,7 @@ from typing import Any, Literal
 import numpy as np
 
 from magsplice import _findings, _magsplice
-from magsplice._arguments import whole
+from magsplice._arguments import pair, whole
 from magsplice._assignment import MOST_STARTS
 from magsplice._film import Design, Film, film_of_text, searched
 from magsplice._layout import Tile
@@ -145,6 +147,9 @@ def pattern(
     MagspliceError
         If other numbers are out of range; the message lists all of them.
     """
+    film_mm = pair("film_mm", film_mm)
+    range_mm = None if range_mm is None else pair("range_mm", range_mm)
+    distance_mm = None if distance_mm is None else pair("distance_mm", distance_mm)
     starts, seed = whole("starts", starts, 1, MOST_STARTS), whole("seed", seed, 0)
     parts = None if parts is None else whole("parts", parts, 1)
     if under == "tolerance" and preset is None:
@@ -216,6 +221,12 @@ def splice(
     LayoutWarning
         If the film found does not meet its demands, `Design.short_of`.
     """
+    known = list(inspect.signature(pattern).parameters)
+    for name in request:
+        if name not in known:
+            near = difflib.get_close_matches(name, known, 1, 0.5)
+            meant = f"; did you mean {near[0]!r}?" if near else ""
+            raise TypeError(f"splice() got an unexpected keyword argument {name!r}{meant}")
     return searched(pattern(wavelength_mm, film_mm, **request), progress)
 
 

@@ -133,8 +133,12 @@ def constant_or_rest(
 
 
 def noise_of(noise_t: float | Sequence[float] | None) -> Vector | None:
-    """Standard deviations along x, y, z in tesla. ValueError unless each is above 0."""
+    """Standard deviations along x, y, z in tesla. ValueError unless each is above 0, up to 1 T."""
     found = three_of(noise_t)
     if found is not None and not (np.isfinite(found).all() and min(found) > 0):
         raise ValueError(f"noise_t = {noise_t}, must be above 0 and finite")
+    if found is not None and max(found) > 1:
+        raise ValueError(
+            f"noise_t = {noise_t}, must be at most 1 (tesla, not uT: {max(found) / 1e6:g}?)"
+        )
     return found

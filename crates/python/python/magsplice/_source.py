@@ -43,12 +43,12 @@ class OfLayout(Result):
     sha256: str = key("SHA-256 of the text of the layout.")
     version: str = key("Version of the library.")
     shape_error: float | None = key(
-        """Largest error of the field one radius away from a disc, as a fraction of the largest field
-        there; None without discs."""
+        """Largest error of the field one radius away from a disc, as a fraction of the largest
+        field there; None without discs."""
     )
     slice_error: float | None = key(
-        """Largest error of the field of a wave in slices where the working volume is nearest to it, as
-        a fraction of the field there; None without waves."""
+        """Largest error of the field of a wave in slices where the working volume is nearest to it,
+        as a fraction of the field there; None without waves."""
     )
 
 
