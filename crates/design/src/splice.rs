@@ -268,6 +268,8 @@ impl SpliceRequest {
                 }
             }
         }
+        let parts = self.brief.parts.filter(|_| self.one_sided);
+        faults.extend(parts.map(SpliceFault::OneSidedParts));
         let is_gap = self.brief.gap_mm >= 0.0 && self.brief.gap_mm.is_finite();
         faults.extend((!is_gap).then_some(SpliceFault::Gap(self.brief.gap_mm)));
         let seed = self.brief.seed;

@@ -72,6 +72,12 @@ pub enum SpliceFault {
     /// The shortest side is above a quarter of the wavelength, which follows it.
     #[error("smallest cut: {0} mm, must be at most a quarter of the wavelength, {most} mm", most = 0.25 * .1)]
     LongCut(f64, f64),
+    /// The number of parts of a one-sided film is limited.
+    #[error(
+        "parts: {0} with one-sided, must be left out: parts are magnetized in the plane of the film, and tiles of a \
+         one-sided film out of it"
+    )]
+    OneSidedParts(usize),
     /// No film or tile has this wavelength, thickness and remanence.
     #[error("wavelength, thickness and remanence: out of range")]
     OutOfRange,

@@ -89,7 +89,6 @@ REQUIRED: list[tuple[str | int, ...]] = [
     ("format",),
     ("name",),
     ("tile", 0, "position_mm"),
-    ("lattice", 0, "x"),
     ("expect", "field", "within"),
 ]
 

@@ -55,7 +55,10 @@ fn layout_has_the_errors_and_the_sensor_of_the_request() {
 #[test]
 fn one_sided_films_are_designed_for_iron() {
     for preset in [None, Some(Preset::Jig)] {
-        let request = SpliceRequest { one_sided: true, preset, ..request() };
+        let of_parts = SpliceRequest { one_sided: true, preset, ..request() };
+        let refused = of_parts.layout().expect_err("parts in the plane").to_string();
+        assert!(refused.contains("parts: 7 with one-sided, must be left out"), "{refused}");
+        let request = SpliceRequest { brief: Brief { parts: None, ..of_parts.brief.clone() }, ..of_parts };
         let layout = request.layout().unwrap_or_else(|e| panic!("{e}"));
         let read = Layout::parse(&layout.to_toml(), "spliced").unwrap_or_else(|e| panic!("{e}"));
         for layout in [layout, read] {
