@@ -44,6 +44,7 @@ mod report;
 mod report_pair_watch;
 mod sampled_scan;
 mod scan;
+mod scan_faults;
 mod sensor;
 mod splice;
 mod start;
