@@ -46,8 +46,8 @@ pub enum DesignError {
     Iron,
     /// The iron near the film is tilted or has errors, or recoil or the spacing of a head counts.
     #[error(
-        "films are designed for iron that is parallel to the film, at a distance without errors, without recoil and with a \
-         head of fixed spacing: change [tolerance.iron], or leave it out"
+        "films are designed for iron that is parallel to the film, at a distance without errors, beyond the sensor, without \
+         recoil and with a head of fixed spacing: change [tolerance.iron], or leave it out"
     )]
     NearIron,
     /// There is not enough memory.

@@ -74,8 +74,8 @@ pub struct Layout {
     /// Largest error of the field one radius away from a disc that strips of cuboids stand for, as
     /// a fraction of the largest field there. `None` without discs.
     pub shape_error: Option<f64>,
-    /// Largest error of the field of a wave in slices where the working volume is nearest to it, as
-    /// a fraction of the field there. `None` without waves or a volume beside them.
+    /// Largest error of the field of an endless wave in slices where the working volume is nearest
+    /// to it, as a fraction of the field there. `None` without waves or a volume beside them.
     pub slice_error: Option<f64>,
     /// The steps that led to this layout, one text each.
     pub history: Vec<String>,

@@ -1,5 +1,6 @@
 //! `[[plane]]`: flat iron near the film.
 
+use glam::DVec3;
 use magsplice_magnet::{IronPlane, IronPlanes, IronPlanesFault};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -9,6 +10,8 @@ use crate::finding::{Finding, FindingSubject};
 use crate::layout::NamedTile;
 use crate::names::shown;
 use crate::places::Place;
+use crate::plausible::short;
+use crate::volume::WorkingVolume;
 
 /// Flat iron that fills the half space behind a plane, such as a back plate. It moves with the
 /// film, and does not saturate.
@@ -27,6 +30,17 @@ pub(crate) struct PlaneTable {
 }
 
 const PERMEABILITY: Rule = Rule { is_kept: |mu_r| mu_r >= 1.0, words: "must be at least 1, or inf" };
+
+/// Adds the fault of a working volume that is not before a plane.
+pub(crate) fn check_volume(plane: &IronPlane, volume: &WorkingVolume, faults: &mut TableFaults) {
+    let ends = [volume.lower_mm, volume.upper_mm];
+    let corners = (0..8).map(|corner| DVec3::from([0, 1, 2].map(|axis| ends[corner >> axis & 1][axis])));
+    let depths_mm = corners.chain([volume.reference_mm]).map(|place| -plane.distance(place));
+    let depth_mm = depths_mm.fold(f64::NEG_INFINITY, f64::max);
+    if depth_mm >= 0.0 {
+        faults.add(format!("[volume] reaches {} mm into the iron, must be before it", short(depth_mm)));
+    }
+}
 
 /// That of soft iron in weak fields, some thousands, differs from it by less than 0.1 % of the
 /// field of the images.
@@ -172,6 +186,9 @@ mod tests {
         let plane = |z: f64, normal: &str| format!("[[plane]]\npoint_mm = [0, 0, {z}]\nnormal = {normal}\n");
         let tilted = refused(&(plane(2.0, "[0, 0, -1]") + &plane(-2.0, "[0, 0.1, 1]")));
         assert!(tilted.contains("line 11: plane 2: planes 1 and 2 are not parallel"), "{tilted}");
+        let volume = "[volume]\nx_mm = [-1, 1]\ny_mm = [-1, 1]\nz_mm = [-5, -3]\nstep_mm = 1\n";
+        let in_volume = refused(&(volume.to_owned() + &plane(-4.0, "[0, 0, 1]")));
+        assert!(in_volume.contains("plane 1: [volume] reaches 1 mm into the iron, must be before it"), "{in_volume}");
         let behind = refused(&plane(0.75, "[0, 0, -1]"));
         assert!(behind.contains("line 8: plane 1: tile \"a\" reaches 2.500e-1 mm into the iron"), "{behind}");
     }

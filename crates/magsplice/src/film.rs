@@ -197,6 +197,9 @@ impl Film {
     /// If the layout states no errors, or has recoil beside iron.
     pub fn real_film(&self) -> Result<RealFilm, FilmError> {
         let tolerance = self.layout.tolerance.as_ref().ok_or(FilmError::Missing("tolerance"))?;
+        if self.layout.shape_error.is_some() && !tolerance.tiles.is_empty() {
+            return Err(FilmError::StripErrors);
+        }
         if self.recoil.is_some() && tolerance.common.iron.is_some() {
             return Err(FilmError::RecoilNearIron);
         }

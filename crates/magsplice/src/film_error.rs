@@ -30,6 +30,12 @@ pub enum FilmError {
     /// The layout has flat iron, and this does not take it into account.
     #[error("{0} without the field of iron: leave out [[plane]]")]
     Iron(&'static str),
+    /// The layout has discs, whose strips do not have errors of their own.
+    #[error(
+        "errors of each tile would part the strips of a disc, which move together: give its errors in [[tolerance.group]], \
+         without a preset"
+    )]
+    StripErrors,
     /// Iron changes the recoil of a film, which is not computed.
     #[error("recoil is computed without the field of iron: leave out recoil_permeability or [tolerance.iron]")]
     RecoilNearIron,

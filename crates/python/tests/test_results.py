@@ -259,6 +259,8 @@ def test_splice_searches_from_the_pattern():
 
 
 def test_one_sided_patterns_have_iron_among_their_errors():
-    film = magsplice.pattern(10, (20, 20), one_sided=True)
+    film = magsplice.pattern(10, (20, 20), one_sided=True, preset="jig")
+    with pytest.raises(ValueError, match="one_sided needs preset"):
+        magsplice.pattern(10, (20, 20), one_sided=True)
     assert "[tolerance.iron]" in film.to_toml()
     assert "[tolerance" not in magsplice.pattern(10, (20, 20)).to_toml()

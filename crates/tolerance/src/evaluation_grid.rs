@@ -88,6 +88,14 @@ pub enum SampleError {
         /// The point.
         point: DVec3,
     },
+    /// The film of a sample reaches into the iron near it.
+    #[error(
+        "the film reaches {depth_mm:.3} mm into the iron of [tolerance.iron]; specify a larger distance_mm or smaller errors"
+    )]
+    InIron {
+        /// How far it reaches.
+        depth_mm: f64,
+    },
     /// The derivatives of the field of a tile do not exist at a point of the volume.
     #[error(
         "the field of tile {tile} has no derivatives at the point ({}, {}, {}) mm of the working volume",

@@ -1,7 +1,7 @@
 //! The images of a film in flat iron.
 
 use glam::DVec3;
-use magsplice_magnet::{IronPlane, IronPlanes, PointError, PointErrorCause, PointErrors, Reflection};
+use magsplice_magnet::{IronPlane, IronPlanes, PointError, PointErrorCause, PointErrors, Reflection, Tile};
 
 use crate::readings::Pose;
 
@@ -16,6 +16,14 @@ pub(crate) struct IronAround {
 }
 
 impl IronAround {
+    /// How far tiles reach into the iron near the film. `None` if they do not.
+    pub(crate) fn depth_of(&self, tiles: &[Tile]) -> Option<f64> {
+        let plane = self.near?;
+        let corners = tiles.iter().flat_map(Tile::corners_mm);
+        let depth_mm = corners.map(|corner| -plane.distance(self.pose.apply(corner))).fold(f64::NEG_INFINITY, f64::max);
+        (depth_mm > 0.0).then_some(depth_mm)
+    }
+
     /// Points that are in iron.
     pub(crate) fn check(&self, places: &[DVec3]) -> Result<(), PointErrors> {
         let plane_of = |place: DVec3| {

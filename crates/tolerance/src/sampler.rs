@@ -120,6 +120,9 @@ impl<'a> Sampler<'a> {
         let near_iron = self.film.tolerance().common.iron.is_some();
         let of_sample = near_iron.then(|| self.film.images(surroundings.iron_error_mm));
         let iron = self.film.iron_around(&surroundings);
+        if let Some(depth_mm) = iron.depth_of(tiles) {
+            return Err(SampleError::InIron { depth_mm });
+        }
         let images = of_sample.as_ref().unwrap_or(&self.images);
         let noise = &self.film.tolerance().common.sensor.noise_t;
         let noisy = noise.iter().any(|noise| !noise.is_none());

@@ -17,8 +17,9 @@ pub(crate) fn layout(layout: &Layout) -> String {
     });
     let slices = layout.slice_error.map_or(String::new(), |error| {
         let percent = in_per_cent(error);
-        let percent = if percent < 0.01 { format!("{percent:.0e}") } else { format!("{percent:.2}") };
-        format!(" (waves in slices, right to {percent} % in the volume)")
+        // Far from the film it is round-off.
+        let percent = if percent < 1e-9 { "1e-9".to_owned() } else { format!("{percent:.1e}") };
+        format!(" (waves in slices, without the ends of the film right to {percent} % in the volume)")
     });
     format!("{}: {}{shapes}{slices}, sha256 {}\n", layout.name, tile_count(layout), &layout.sha256[..12])
 }

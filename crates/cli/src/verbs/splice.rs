@@ -84,8 +84,9 @@ pub(crate) struct SpliceArgs {
     #[arg(long, value_enum, default_value = "nominal", requires_if("tolerance", "preset"))]
     under: UnderArg,
     /// Keep errors small when flat iron comes near the upper face, at 0.1 of the wavelength: with
-    /// tiles magnetized out of the plane too, for the errors of --preset and of this iron
-    #[arg(long)]
+    /// tiles magnetized out of the plane too, for films as made with the errors of --preset and of
+    /// this iron
+    #[arg(long, requires = "preset")]
     one_sided: bool,
     /// Part with known noise, counts and range, for the table [sensor] of the film
     #[arg(long, value_name = "PART", ignore_case = true,

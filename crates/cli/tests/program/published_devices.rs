@@ -18,3 +18,16 @@ fn checkerboard_resolves_more_than_rings() {
     let [checkerboard, rings] = ["checkerboard", "rings"].map(of);
     assert!((1.3..1.6).contains(&(checkerboard / rings)), "{checkerboard} and {rings} per mm");
 }
+
+/// A preset would give every strip of a disc errors of its own.
+#[test]
+fn presets_do_not_part_the_strips_of_discs() {
+    let sandbox = Sandbox::new();
+    let film = "format = 1\nname = \"disc\"\n[ideal]\nwavelength_mm = 10\nthickness_mm = 1\namplitude_t = 0.12\n[volume]\n\
+                x_mm = [-1, 1]\ny_mm = [-1, 1]\nz_mm = [-5, -3]\nstep_mm = 1\n[[tile]]\nname = \"d\"\nshape = \"disc\"\n\
+                diameter_mm = 4\nheight_mm = 1\nposition_mm = [0, 0, 0.5]\npolarization_t = [0, 0, 1]\n";
+    sandbox.write("disc.toml", film);
+    for verb in ["tolerance", "budget"] {
+        sandbox.run(&[verb, "disc.toml", "--preset", "workshop"]).refuses("would part the strips of a disc");
+    }
+}

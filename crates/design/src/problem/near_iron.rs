@@ -42,6 +42,10 @@ impl IronImages {
         if normal.x.abs().max(normal.y.abs()) > TILTED || iron.distance_error_mm != Distribution::NONE {
             return Err(DesignError::NearIron);
         }
+        let is_before = |place: &DVec3| plane.distance(*place) > 0.0;
+        if !sampling.places().iter().all(is_before) {
+            return Err(DesignError::NearIron);
+        }
         let [one, other] = [sampling.grid.lower(), sampling.grid.upper()].map(|point| plane.mirrored(point));
         let grid =
             Grid::new(one.min(other), one.max(other), sampling.grid.counts()).map_err(|_| DesignError::NearIron)?;

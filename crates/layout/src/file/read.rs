@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use magsplice_ideal::IdealFilm;
+use magsplice_magnet::Tile;
 
 use crate::error::{LayoutError, LayoutFault};
 use crate::expectations::about_amplitude;
@@ -23,10 +24,10 @@ use crate::layout::{Layout, NamedTile, SourceFile};
 use crate::limits::{FORMAT, MAX_FILE_BYTES};
 use crate::names::{check_name, shown};
 use crate::places::Place;
-use crate::plane::PlaneTable;
+use crate::plane::{PlaneTable, check_volume};
 use crate::tables_present::TablesPresent;
 use crate::tile::{FileTiles, angles, overlap};
-use crate::tolerance::WholeLayout;
+use crate::tolerance::{ErrorGroup, WholeLayout};
 
 impl Layout {
     /// The layout in the file at `path`.
@@ -220,6 +221,23 @@ fn resolve(file: LayoutFile, place: &Place, text: &str, source: &Source) -> Resu
             "has errors of each tile, and the strips of a disc move together: give its errors in [[tolerance.group]], \
              with tiles = [\"NAME-s*\"]",
         );
+    }
+    let has_size_errors = |group: &ErrorGroup| group.errors.size.iter().any(|error| !error.is_none());
+    if shape_error.is_some() && tolerance.iter().flat_map(|of| &of.groups).any(has_size_errors) {
+        faults
+            .at(at("tolerance"), "tolerance.group")
+            .add("has errors of size_mm, which would change every strip of a disc: leave size_mm out");
+    }
+    if let Some(volume) = &volume {
+        let bare: Vec<Tile> = tiles.iter().map(|named| named.tile).collect();
+        let near = tolerance.as_ref().and_then(|tolerance| tolerance.common.iron.as_ref());
+        if let Some(plane) = near.and_then(|iron| iron.plane(&bare, 0.0).ok()) {
+            check_volume(&plane, volume, &mut faults.at(at("tolerance"), "tolerance.iron"));
+        }
+        for (index, plane) in iron.planes().iter().enumerate() {
+            let start = place.key("plane").item(index).start;
+            check_volume(plane, volume, &mut faults.at(start, format!("plane {}", index + 1)));
+        }
     }
     if faults.is_empty() {
         overlap::check(&tiles, &entries, overlap_mm, &mut faults);

@@ -56,6 +56,8 @@ fn rules_of_discs_have_their_keys() {
     refused(&with("kind = \"k\"\n[kind.k]\nsize_mm = [1, 1, 1]"), "gives shape, which its kind already gives");
     // Strips are parts of one magnet.
     refused(&format!("{DISC}[tolerance]\npreset = \"jig\"\n"), "the strips of a disc move together");
+    let sizes = "[[tolerance.group]]\ntiles = [\"d-s*\"]\nsize_mm = 0.01\n";
+    refused(&format!("{DISC}{sizes}"), "has errors of size_mm, which would change every strip of a disc");
     let group = "[[tolerance.group]]\ntiles = [\"d-s*\"]\nposition_mm = 0.05\n";
     assert_eq!(layout(&format!("{DISC}{group}")).tolerance.expect("stated").groups[0].tiles.len(), 10);
 }

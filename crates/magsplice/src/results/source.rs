@@ -22,8 +22,8 @@ pub struct LayoutSource {
     /// without discs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shape_error: Option<f64>,
-    /// Largest error of the field of a wave in slices where the working volume is nearest to it,
-    /// over the field there. `None` without waves.
+    /// Largest error of the field of an endless wave in slices where the working volume is nearest
+    /// to it, over the field there. `None` without waves.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub slice_error: Option<f64>,
 }

@@ -143,7 +143,8 @@ def pattern(
     ------
     ValueError
         If `starts` is not from 1 to 10 000, `parts` below 1, or `seed` below 0, if no preset or
-        part has this name, or if `under` is "tolerance" without `preset`.
+        part has this name, or if `under` is "tolerance" or
+        `one_sided` is set without `preset`.
     MagspliceError
         If other numbers are out of range; the message lists all of them.
     """
@@ -154,6 +155,8 @@ def pattern(
     parts = None if parts is None else whole("parts", parts, 1)
     if under == "tolerance" and preset is None:
         raise ValueError("under = 'tolerance' needs preset, the errors of films as made")
+    if one_sided and preset is None:
+        raise ValueError("one_sided needs preset, the errors of films as made")
     text = _magsplice.pattern(
         wavelength_mm,
         film_mm,

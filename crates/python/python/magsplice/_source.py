@@ -47,8 +47,8 @@ class OfLayout(Result):
         field there; None without discs."""
     )
     slice_error: float | None = key(
-        """Largest error of the field of a wave in slices where the working volume is nearest to it,
-        as a fraction of the field there; None without waves."""
+        """Largest error of the field of an endless wave in slices where the working volume is
+        nearest to it, as a fraction of the field there; None without waves."""
     )
 
 

@@ -136,6 +136,7 @@ fn each_rule_states_value_and_place() {
             with("[tolerance.iron]\ndistance_mm = 1\nrelative_permeability = 0.5"),
             "tolerance.iron: relative_permeability = 0.5, must be at least 1, or inf",
         ),
+        (with("[tolerance.iron]\ndistance_mm = 1\nnormal = [0, 0, 1]"), "tolerance.iron: [volume] reaches "),
         (
             with("[tolerance.iron]\ndistance_mm = 1\nnormal = [0, 0, 0]"),
             "tolerance.iron: normal = [0, 0, 0] has no direction",

@@ -42,7 +42,7 @@ fn layouts_are_written_with_their_tolerances() {
         COMMON.to_owned(),
         "[tolerance.stray_field]\nwhen = \"after\"".to_owned(),
         "[tolerance.iron]\ndistance_mm = 1.5".to_owned(),
-        "[tolerance.iron]\ndistance_mm = 1.5\ndistance_error_mm = { uniform = 0.5 }\nnormal = [0.1, 0, 2]\n\
+        "[tolerance.iron]\ndistance_mm = 1.5\ndistance_error_mm = { uniform = 0.5 }\nnormal = [0.1, 0, -2]\n\
          relative_permeability = 900\nwhen = \"before\""
             .to_owned(),
         // Each error differs in one tile from that of the others.

@@ -66,3 +66,13 @@ fn iron_is_a_cause_of_its_own() {
     let before = Sampler::new(&film, &volume, &ideal, 1).expect("a sampler").errors_of(0).expect("a sample");
     assert!((before.displacement_rmse_mm.z - sampled.displacement_rmse_mm.z).abs() > 1e-3, "{before:?}");
 }
+
+/// A film that moves into the iron has no field there.
+#[test]
+fn films_in_iron_are_refused() {
+    let mut tolerance = near(true);
+    tolerance.common.film.position_mm[2] = Distribution::Fixed(1.5);
+    let (film, volume, ideal) = (RealFilm::new(&tiles(), &tolerance), volume(), ideal());
+    let found = Sampler::new(&film, &volume, &ideal, 1).expect("a sampler").errors_of(0);
+    assert!(matches!(found, Err(crate::SampleError::InIron { depth_mm }) if depth_mm > 0.3), "{found:?}");
+}
