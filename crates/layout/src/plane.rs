@@ -42,11 +42,9 @@ pub(crate) fn check_volume(plane: &IronPlane, volume: &WorkingVolume, faults: &m
     }
 }
 
-/// That of soft iron in weak fields, some thousands, differs from it by less than 0.1 % of the
-/// field of the images.
-pub(crate) fn default_permeability() -> f64 {
-    f64::INFINITY
-}
+/// Permeability of ideal iron. Soft iron in weak fields has some thousands, which changes the field
+/// of the images by less than 0.1 %.
+pub(crate) const DEFAULT_PERMEABILITY: f64 = f64::INFINITY;
 
 /// Adds the fault of a permeability, of which infinity is one.
 pub(crate) fn resolve_permeability(mu_r: f64, faults: &mut TableFaults) {
@@ -65,7 +63,7 @@ pub(crate) fn resolve_normal(normal: [f64; 3], faults: &mut TableFaults) {
 
 /// The permeability as it is written: nothing for the default.
 pub(crate) fn written_permeability(mu_r: f64) -> Option<f64> {
-    (mu_r != default_permeability()).then_some(mu_r)
+    (mu_r != DEFAULT_PERMEABILITY).then_some(mu_r)
 }
 
 impl PlaneTable {
@@ -82,7 +80,7 @@ impl PlaneTable {
             let faults = &mut faults.at(place.item(index).start, format!("plane {}", index + 1));
             faults.point("point_mm", table.point_mm);
             resolve_normal(table.normal, faults);
-            let mu_r = table.relative_permeability.unwrap_or(default_permeability());
+            let mu_r = table.relative_permeability.unwrap_or(DEFAULT_PERMEABILITY);
             resolve_permeability(mu_r, faults);
             // What breaks a rule of planes has been refused above.
             planes.extend(IronPlane::new(table.point_mm.into(), table.normal.into(), mu_r));

@@ -21,9 +21,9 @@ impl Reflection {
     #[must_use]
     pub fn then(&self, plane: &IronPlane) -> Reflection {
         let normal = plane.normal();
-        let turn = DMat3::from_cols(2.0 * normal.x * normal, 2.0 * normal.y * normal, 2.0 * normal.z * normal);
+        let across = DMat3::from_cols(2.0 * normal.x * normal, 2.0 * normal.y * normal, 2.0 * normal.z * normal);
         Reflection {
-            turn: self.turn * (DMat3::IDENTITY - turn),
+            turn: self.turn * (DMat3::IDENTITY - across),
             shift: self.place(2.0 * normal.dot(plane.point()) * normal),
             factor: -plane.image_factor() * self.factor,
         }

@@ -90,7 +90,7 @@ fn text(film: &Film, found: &FilmBudget) -> String {
     text += &rows::table(&COLUMNS, &table);
     text.push('\n');
     if found.parts.iter().any(|part| part.mean_square_mm2.to_array().iter().any(|square| *square < 0.0)) {
-        let sentence = "a minus sign is the root of a mean square that is taken away: causes that partly cancel, or a \
+        let sentence = "a minus sign marks the root of a negative mean square: causes that partly cancel, or a \
                         mean that brings the film nearer to the ideal one";
         rows::prose(&mut text, sentence);
     }

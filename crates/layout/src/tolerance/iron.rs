@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error_unit::ErrorUnit;
 use crate::faults::Rule;
-use crate::plane::{default_permeability, resolve_normal, resolve_permeability, written_permeability};
+use crate::plane::{DEFAULT_PERMEABILITY, resolve_normal, resolve_permeability, written_permeability};
 use crate::tolerance::NearIron;
 use crate::tolerance::common::When;
 use crate::tolerance::tabulated::ErrorTable;
@@ -54,7 +54,7 @@ impl IronTable {
         let before = at.faults.count();
         at.faults.number("distance_mm", self.distance_mm, DISTANCE);
         let normal = self.normal.unwrap_or(NearIron::ABOVE.to_array());
-        let mu_r = self.relative_permeability.unwrap_or(default_permeability());
+        let mu_r = self.relative_permeability.unwrap_or(DEFAULT_PERMEABILITY);
         resolve_permeability(mu_r, &mut at.faults);
         resolve_normal(normal, &mut at.faults);
         let mut iron = NearIron {
