@@ -22,7 +22,7 @@ use crate::results::placement::SensorPlacement;
 #[non_exhaustive]
 pub enum FilmError {
     /// The layout lacks this table, which the evaluation needs.
-    #[error("the layout has no [{0}] table, which this needs: add one")]
+    #[error("{}", missing_words(.0))]
     Missing(&'static str),
     /// The layout has a head, and this needs one sensor.
     #[error("{0}: leave out head or [[sensor.element]] of [sensor]")]
@@ -128,6 +128,9 @@ pub enum FilmError {
     /// A scan cannot be fitted.
     #[error("{0}")]
     Scan(#[source] ScanError),
+    /// A scan cannot be fitted, and its readings share an extreme.
+    #[error("the scan cannot be fitted, and {0}; else leave these readings out")]
+    UnstatedLimit(String),
     /// A film as made cannot be scanned.
     #[error("{0}")]
     SampleScan(#[source] SampleScanError),
@@ -224,6 +227,12 @@ impl FilmError {
         };
         FilmError::Forces { error, tiles: names(layout, &indices) }
     }
+}
+
+/// A missing table.
+fn missing_words(table: &str) -> String {
+    let or = if table == "tolerance" { ", or give a preset" } else { "" };
+    format!("the layout has no [{table}] table, which this needs: add one{or}")
 }
 
 fn names(layout: &Layout, tiles: &[usize]) -> Vec<String> {

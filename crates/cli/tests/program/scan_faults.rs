@@ -290,3 +290,17 @@ fn readings_in_another_order_are_named() {
     let said = sandbox.run(&["scan", &film, "scan.csv"]);
     assert!(said.stderr.contains("the coordinates have different units: x_mm, y_mm, z_cm"), "{}", said.stderr);
 }
+
+/// Readings clipped below the stated range fit exchanged axes or another place.
+#[test]
+fn readings_that_share_an_extreme_are_the_cause_of_a_misfit() {
+    let sandbox = Sandbox::new();
+    let film = sandbox.published_with("");
+    let clipped = |row: &Vec<f64>| -> Vec<f64> { [&row[..5], &[row[5].clamp(-2.5e-3, 2.5e-3)]].concat() };
+    write(&sandbox, "x_mm,y_mm,z_mm,bx_t,by_t,bz_t", &field(&sandbox).iter().map(clipped).collect::<Vec<_>>());
+    for verb in [&["scan", &film, "scan.csv"][..], &["diagnose", &film, "--scan", "scan.csv", "--noise", "1uT"]] {
+        let said = sandbox.run(verb);
+        said.refuses("the scan cannot be fitted, and ");
+        said.refuses("different readings share the largest bz");
+    }
+}

@@ -7,6 +7,7 @@ use magsplice_scan::SignedAxes;
 
 use super::significant::number;
 use crate::film::Film;
+use crate::film_error::FilmError;
 
 /// Number of readings for each one beyond the range from which on these may be wild.
 const WILD: f64 = 10.0;
@@ -72,6 +73,19 @@ impl Film {
         // A reading at the limit does not tell how large the field is.
         let field_t = self.scene().field_at(Quantity::FluxDensity, points_mm).unwrap_or_default();
         Some(found + &larger_range(sensor, readings_t.iter().chain(&field_t)).unwrap_or(correction))
+    }
+}
+
+impl Film {
+    /// The error of a scan without a fit whose readings share an extreme below the stated range:
+    /// saturated readings look like exchanged axes or another placement. `None` without such
+    /// readings.
+    pub(super) fn unstated_limit(&self, readings_t: &[DVec3]) -> Option<FilmError> {
+        let element = self.layout().sensor.as_ref().map(|sensor| sensor.as_one()).unwrap_or_default();
+        if readings_t.iter().any(|reading_t| element.is_saturated(*reading_t)) {
+            return None;
+        }
+        plateau(readings_t, element.count_t).map(FilmError::UnstatedLimit)
     }
 }
 

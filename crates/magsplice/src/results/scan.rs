@@ -216,6 +216,9 @@ impl Film {
                 if let Some(fault) = fault.filter(|fault| is_misfit || fault.is_certain()) {
                     return Err(FilmError::Scan(ScanError::Columns(fault)));
                 }
+                if let Some(error) = self.unstated_limit(readings_t) {
+                    return Err(error);
+                }
                 let finite = || readings_t.iter().filter(|reading_t| reading_t.is_finite());
                 let squares: f64 = finite().map(|reading_t| reading_t.length_squared()).sum();
                 let reading_t = (squares / (3 * finite().count().max(1)) as f64).sqrt();
