@@ -19,6 +19,10 @@ use crate::film_error::FilmError;
 /// are known to a factor of ten, and units of forces differ by a hundred or a thousand.
 const MOST_RATIO: f64 = 50.0;
 
+/// Distance from the reference point, in millimetres, from which on a film without a force was
+/// moved by an offset. Shims set heights to some hundredths of a millimetre.
+const MOST_AT_REST_MM: f64 = 0.1;
+
 /// The reason for no stiffness along an axis without a column of forces.
 const NO_FORCES: &str = "no force along this axis";
 
@@ -47,6 +51,9 @@ pub struct FilmCalibration {
     /// Other axes or another unit with which readings without a position have one.
     #[serde(skip)]
     pub hint: Option<String>,
+    /// Whether the reference point is taken for the position at rest, without readings there.
+    #[serde(skip)]
+    pub assumes_rest: bool,
     /// Remarks on the readings of all sensors of a head.
     #[serde(skip)]
     pub of_head: Vec<String>,
@@ -113,6 +120,7 @@ impl FilmReadings {
             log_faults,
             excluded: ExcludedReadings::new(&exclusions, numbers),
             hint: self.hint.clone(),
+            assumes_rest: self.assumes_rest,
             of_head: self.of_head.as_ref().map_or_else(Vec::new, HeadFits::remarks),
         })
     }
@@ -141,8 +149,26 @@ impl FilmCalibration {
         Axis::ALL.into_iter().filter(move |axis| axes[axis.index()].as_ref().is_some_and(has_zero))
     }
 
-    /// Faults of the log, and axes with no stiffness, a negative one, or one of
-    /// 0 within its error, one sentence each.
+    /// Words for a film that is not at the reference point without a force, where rest is assumed.
+    fn not_at_rest(&self) -> Option<String> {
+        let at_rest = |axis: Axis| {
+            let line = [self.by_field.x, self.by_field.y, self.by_field.z][axis.index()]?;
+            let [moved_mm, error_mm] = [-line.force_at_rest, line.force_at_rest_95.abs()].map(|n| n / line.stiffness);
+            let is_sure = line.stiffness_95 < line.stiffness.abs() && error_mm.abs() < moved_mm.abs();
+            (is_sure && moved_mm.abs() > MOST_AT_REST_MM).then_some((axis, moved_mm))
+        };
+        let moved = Axis::ALL.into_iter().filter_map(at_rest);
+        let (axis, moved_mm) = moved.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).filter(|_| self.assumes_rest)?;
+        Some(format!(
+            "without a force the film is {} mm along {axis} from where the sensor is at its reference point: the sensor or \
+             the load cell has an offset, or the film rests elsewhere, and the stiffness has an error; give readings at \
+             rest, and set the load cell to zero",
+            number(moved_mm)
+        ))
+    }
+
+    /// Faults of the log, a film that is not at rest where it is assumed to be, and axes with no
+    /// stiffness, a negative one, or one of 0 within its error, one sentence each.
     pub fn remarks(&self) -> Vec<String> {
         let hint = self.hint.iter().cloned();
         let reasons = [&self.without_stiffness.x, &self.without_stiffness.y, &self.without_stiffness.z];
@@ -176,6 +202,11 @@ impl FilmCalibration {
             )
         });
         let of_axes = without.chain(undetermined).chain(negative);
-        hint.chain(self.of_head.iter().cloned()).chain(log).chain(unit).chain(of_axes).collect()
+        hint.chain(self.of_head.iter().cloned())
+            .chain(log)
+            .chain(self.not_at_rest())
+            .chain(unit)
+            .chain(of_axes)
+            .collect()
     }
 }

@@ -58,6 +58,9 @@ pub struct FilmReadings {
     /// Noise of the readings, if it is known.
     #[serde(skip)]
     pub noise: Option<Noise>,
+    /// Whether the reference point is taken for the position at rest, without readings there.
+    #[serde(skip)]
+    pub assumes_rest: bool,
     /// The elastic layer, if the layout has one.
     #[serde(skip)]
     pub elastomer: Option<Elastomer>,
@@ -240,6 +243,7 @@ impl Film {
             closed_form_mm,
             origin_mm,
             noise,
+            assumes_rest: at_rest == AtRest::Constant(DVec3::ZERO),
             elastomer: self.layout().elastomer,
             of_head: None,
         })

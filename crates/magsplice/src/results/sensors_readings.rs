@@ -122,6 +122,7 @@ impl Film {
             closed_form_mm,
             origin_mm,
             noise,
+            assumes_rest: at_rest == AtRest::Constant(DVec3::ZERO),
             elastomer: self.layout().elastomer,
             hint,
             of_head: Some(of_head),
