@@ -51,7 +51,7 @@ fn errors_of_films_with_recoil_are_those_of_solved_films() {
                 .into_iter()
                 .map(|tile| RecoilTile { tile, permeability })
                 .collect();
-            let solved = Scene::new(Magnetization::solve(&tiles, level, |_| {}).unwrap().cells());
+            let solved = Scene::new(Magnetization::solve(&tiles, &layout.iron, level, |_| {}).unwrap().cells());
             let field_t = solved.field_on_grid(Quantity::FluxDensity, &volume.grid).unwrap();
             let reference_t = solved.field(Quantity::FluxDensity, volume.reference).unwrap();
             let of_solved = volume.figures(&field_t, reference_t, &ideal).unwrap();

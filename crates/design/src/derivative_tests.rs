@@ -15,6 +15,10 @@ pub(crate) const HEADS: [&str; 4] = [
      [[sensor.element]]\nposition_mm = [-0.3, 0.4, -2.0]\nweight = [-0.7, -0.9, -0.8]\n",
 ];
 
+/// A plate of iron behind the film.
+pub(crate) const PLATE: &str =
+    "[[plane]]\npoint_mm = [0.0, 0.0, 4.0]\nnormal = [0, 0, -1]\nrelative_permeability = 9.0\n";
+
 /// Central differences in every variable, for every goal, with all numbers free at once.
 ///
 /// With steps of 1e-5 of a millimetre, a radian or a tesla times the strength, the differences are
@@ -29,6 +33,12 @@ fn derivatives_agree_with_central_differences() {
 #[test]
 fn derivatives_below_a_head_agree_with_central_differences() {
     HEADS.into_iter().for_each(assert_derivatives);
+}
+
+/// As above before iron.
+#[test]
+fn derivatives_before_iron_agree_with_central_differences() {
+    assert_derivatives(PLATE);
 }
 
 fn assert_derivatives(sensor: &str) {
@@ -96,13 +106,14 @@ fn assert_derivatives(sensor: &str) {
     }
 }
 
-/// The objective at the start is that of the metrics, which are evaluated without symmetry. The
+/// The objective at the start, below a head or before iron, is that of the metrics, which are
+/// evaluated without symmetry. The
 /// amplitude is that of the ideal film as the head reads it.
 #[test]
 fn objective_below_a_head_is_that_of_the_metrics() {
     let text = std::fs::read_to_string("../../layouts/published-film.toml").expect("a shipped layout");
     let table = "[sensor]\n";
-    for head in HEADS {
+    for head in HEADS.into_iter().chain([PLATE]) {
         // The film has a table [sensor], to which the keys of a board are added.
         let text = if head.starts_with(table) { text.replace(table, head) } else { format!("{text}\n{head}") };
         let layout = Layout::parse(&text, "test").unwrap_or_else(|e| panic!("{e}"));
@@ -111,8 +122,14 @@ fn objective_below_a_head_is_that_of_the_metrics() {
         let (squares, volume) = (&problem.least_squares, layout.volume.unwrap());
         let residuals = squares.residuals(&problem.pattern, &problem.pattern.start, false).unwrap();
         let ideal = layout.ideal.unwrap();
-        let metrics =
-            Metrics::from_tiles(&layout.bare_tiles(), layout.head(), &volume.grid, volume.reference_mm, &ideal);
+        let metrics = Metrics::from_tiles(
+            &layout.bare_tiles(),
+            &layout.iron,
+            layout.head(),
+            &volume.grid,
+            volume.reference_mm,
+            &ideal,
+        );
         let figures = metrics.unwrap().figures;
         assert_eq!(problem.grid().len(), volume.grid.len());
         let errors_mm = figures.displacement_rmse_mm.to_array();
@@ -132,6 +149,7 @@ fn weighted_amplitude_is_that_of_the_finer_grid() {
     let residuals = problem.least_squares.objective.residuals(&problem.least_squares.sampling, &field).unwrap();
     let exact = Metrics::from_tiles(
         &layout.bare_tiles(),
+        &layout.iron,
         layout.head(),
         &problem.finer_grid(),
         layout.volume.unwrap().reference_mm,

@@ -6,6 +6,7 @@ use glam::DVec3;
 use magsplice_decouple::DecouplingError;
 use magsplice_ideal::ComparisonError;
 use magsplice_layout::MemoryError;
+use magsplice_magnet::TileBehindPlane;
 use magsplice_recoil::RecoilError;
 use magsplice_tolerance::SampleError;
 use thiserror::Error;
@@ -42,8 +43,17 @@ pub enum DesignError {
     #[error("{0}")]
     Missing(NeededTable),
     /// The layout has flat iron.
-    #[error("films are designed without the field of iron: leave out [[plane]]")]
-    Iron,
+    #[error("a plane of iron is not parallel to the film and breaks its symmetry: set symmetry = \"none\" in [design]")]
+    TiltedIron,
+    /// Iron that moves with a displaced film, which the expected errors do not count.
+    #[error(
+        "beside [[plane]] films are not designed for errors of the place of the film or of the sensor: leave out the film \
+         of [tolerance] and position_mm of its sensor, or the plane"
+    )]
+    MovedIron,
+    /// A tile reaches into iron.
+    #[error("{0}: change the bounds of [design], or move [[plane]]")]
+    InIron(#[source] TileBehindPlane),
     /// The iron near the film is tilted or has errors, or recoil or the spacing of a head counts.
     #[error(
         "films are designed for iron that is parallel to the film, at a distance without errors, beyond the sensor, without \

@@ -1,6 +1,6 @@
 //! Forces on all tiles of a film.
 
-use magsplice_magnet::Tile;
+use magsplice_magnet::{Tile, TileImages};
 use magsplice_pair::{Load, NotConverged, load_in_f64, pair_loads};
 use rayon::prelude::*;
 use thiserror::Error;
@@ -40,6 +40,42 @@ pub enum FilmForcesError {
         /// The reason.
         source: NotConverged,
     },
+}
+
+/// A tile with the mean polarization of its cells, and its cells.
+struct DividedTile {
+    mean: Tile,
+    cells: Vec<Tile>,
+}
+
+impl DividedTile {
+    /// # Panics
+    /// If the numbers of cells and owners differ, or an owner is not a tile.
+    fn all(means: &[Tile], cells: &[Tile], owners: &[usize]) -> Vec<DividedTile> {
+        assert_eq!(cells.len(), owners.len(), "one owner for each cell");
+        let mut divided: Vec<DividedTile> =
+            means.iter().map(|mean| DividedTile { mean: *mean, cells: Vec::new() }).collect();
+        owners.iter().zip(cells).for_each(|(owner, cell)| divided[*owner].cells.push(*cell));
+        divided
+    }
+
+    /// The load on this tile, by the means if they are far apart.
+    fn load_by(&self, other: &DividedTile, tolerance: f64) -> Result<Load, NotConverged> {
+        let (mean, by) = (&self.mean, &other.mean);
+        let offset = mean.position() - by.position();
+        if offset.length() > FAR * 0.5 * (mean.size().length() + by.size().length()) {
+            return load_in_f64(mean, by, tolerance);
+        }
+        let mut sum = Load::ZERO;
+        for of in &self.cells {
+            let lever = of.position() - mean.position();
+            for by in &other.cells {
+                let Load { force, torque } = load_in_f64(of, by, tolerance)?;
+                sum += Load { force, torque: torque + lever.cross(force) };
+            }
+        }
+        Ok(sum)
+    }
 }
 
 impl FilmForces {
@@ -82,24 +118,10 @@ impl FilmForces {
         tolerance: f64,
         progress: impl Fn() + Sync,
     ) -> Result<FilmForces, FilmForcesError> {
-        assert_eq!(cells.len(), owners.len(), "one owner for each cell");
-        let mut of_tiles = vec![Vec::new(); tiles.len()];
-        owners.iter().zip(cells).for_each(|(owner, cell)| of_tiles[*owner].push(*cell));
+        let divided = DividedTile::all(tiles, cells, owners);
         FilmForces::of_pairs(tiles.len(), progress, |first, second| {
-            let offset = tiles[first].position() - tiles[second].position();
-            if offset.length() > FAR * 0.5 * (tiles[first].size().length() + tiles[second].size().length()) {
-                let on_first = load_in_f64(&tiles[first], &tiles[second], tolerance)?;
-                return Ok([on_first, on_first.reaction(offset)]);
-            }
-            let mut on_first = Load::ZERO;
-            for of in &of_tiles[first] {
-                let lever = of.position() - tiles[first].position();
-                for by in &of_tiles[second] {
-                    let Load { force, torque } = load_in_f64(of, by, tolerance)?;
-                    on_first += Load { force, torque: torque + lever.cross(force) };
-                }
-            }
-            Ok([on_first, on_first.reaction(offset)])
+            let on_first = divided[first].load_by(&divided[second], tolerance)?;
+            Ok([on_first, on_first.reaction(tiles[first].position() - tiles[second].position())])
         })
     }
 
@@ -127,6 +149,41 @@ impl FilmForces {
             for (image, &second) in images.iter().zip(owners) {
                 let of_pair = pair_loads(&tiles[first], image, tolerance);
                 loads[second] += of_pair.map_err(|source| FilmForcesError::Pair { first, second, source })?[0];
+            }
+            Ok(())
+        };
+        self.loads.par_chunks_mut(self.count.max(1)).enumerate().map(add).collect::<Result<(), _>>()?;
+        Ok(self)
+    }
+
+    /// [`FilmForces::with_images`] for tiles divided into cells, as in [`FilmForces::of_cells`], with
+    /// the images of both by the same reflections.
+    ///
+    /// # Errors
+    /// The errors of [`FilmForces::new`].
+    ///
+    /// # Panics
+    /// If there are not as many tiles as loads, or as many cells as owners.
+    pub fn with_images_of_cells(
+        mut self,
+        [tiles, cells]: [&[Tile]; 2],
+        owners: &[usize],
+        images: [&TileImages; 2],
+        tolerance: f64,
+        progress: impl Fn() + Sync,
+    ) -> Result<FilmForces, FilmForcesError> {
+        assert_eq!(tiles.len(), self.count, "a load for each tile");
+        let divided = DividedTile::all(tiles, cells, owners);
+        // Series of both may end one reflection apart, where images are negligible.
+        let [images, images_of_cells] = images.map(|of| &of.tiles[..]);
+        let reflections = images.chunks(tiles.len().max(1)).zip(images_of_cells.chunks(cells.len().max(1)));
+        let reflected: Vec<Vec<DividedTile>> =
+            reflections.map(|(images, cells)| DividedTile::all(images, cells, owners)).collect();
+        let add = |(first, loads): (usize, &mut [Load])| {
+            progress();
+            for (second, image) in reflected.iter().flat_map(|images| images.iter().enumerate()) {
+                let load = divided[first].load_by(image, tolerance);
+                loads[second] += load.map_err(|source| FilmForcesError::Pair { first, second, source })?;
             }
             Ok(())
         };

@@ -7,6 +7,7 @@ use glam::{DQuat, DVec3};
 
 use crate::bounding_box::BoundingBox;
 use crate::height_map::HeightMap;
+use crate::iron_planes::IronPlanes;
 use crate::tile::{Tile, TileFaults};
 
 /// The shape of a bent film.
@@ -58,6 +59,8 @@ pub enum DeformationError {
         /// The rules that it breaks.
         faults: TileFaults,
     },
+    /// Flat iron does not bend with the film.
+    BentIron,
 }
 
 impl Deformation {
@@ -66,13 +69,10 @@ impl Deformation {
     /// # Errors
     /// See [`DeformationError`].
     pub fn apply(&self, tiles: &[Tile]) -> Result<Vec<Tile>, DeformationError> {
-        let boxes: Vec<BoundingBox> = tiles.iter().map(BoundingBox::from_tile).collect();
-        let corners: Vec<DVec3> =
-            boxes.iter().flat_map(|of| [of.centre() - of.half_size(), of.centre() + of.half_size()]).collect();
-        if corners.is_empty() {
+        if tiles.is_empty() {
             return Ok(Vec::new());
         }
-        let whole = BoundingBox::from_points(&corners);
+        let whole = Deformation::whole(tiles);
         if let Some(Bend::Cylinder { along, radius }) = self.bend {
             // Half a turn at most at both ends.
             let least = whole.half_size().z.max(whole.half_size()[along] / std::f64::consts::PI);
@@ -94,6 +94,28 @@ impl Deformation {
                 .map_err(|faults| DeformationError::Tile { tile, faults })
         };
         tiles.iter().enumerate().map(moved).collect()
+    }
+
+    /// Flat iron that moves with a film of these tiles.
+    ///
+    /// # Errors
+    /// [`DeformationError::BentIron`] if the film bends.
+    pub fn apply_to_iron(&self, iron: &IronPlanes, tiles: &[Tile]) -> Result<IronPlanes, DeformationError> {
+        if iron.is_empty() || tiles.is_empty() {
+            return Ok(iron.clone());
+        } else if self.bend.is_some() {
+            return Err(DeformationError::BentIron);
+        }
+        let (centre, turn) = (Deformation::whole(tiles).centre(), DQuat::from_scaled_axis(self.rotation_rad));
+        Ok(iron.after(|point| centre + turn * (point - centre) + self.shift, |direction| turn * direction))
+    }
+
+    /// The box around the boxes of all tiles.
+    fn whole(tiles: &[Tile]) -> BoundingBox {
+        let boxes = tiles.iter().map(BoundingBox::from_tile);
+        let corners: Vec<DVec3> =
+            boxes.flat_map(|of| [of.centre() - of.half_size(), of.centre() + of.half_size()]).collect();
+        BoundingBox::from_points(&corners)
     }
 }
 
@@ -126,6 +148,9 @@ impl Bend {
 impl fmt::Display for DeformationError {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
+            DeformationError::BentIron => {
+                f.write_str("flat iron does not bend with the film: leave out the planes of iron or the bend")
+            }
             DeformationError::Radius { least } => {
                 write!(f, "the radius must be above {least}: the film is too thick or too long for it")
             }
@@ -142,6 +167,7 @@ impl Error for DeformationError {}
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::iron_plane::IronPlane;
 
     fn tile(position: DVec3) -> Tile {
         Tile::new(position, DVec3::new(2.0, 1.0, 1.0), DVec3::new(0.1, 0.02, -0.05)).unwrap()
@@ -164,6 +190,27 @@ mod tests {
         }
         // The middle tile is at the centre of the box.
         assert!((after[2].position() - before[2].position() - deformation.shift).length() < 1e-14);
+    }
+
+    /// The image of a moved tile in iron that moves with it is the moved image.
+    #[test]
+    fn iron_moves_with_the_film() {
+        let plane = IronPlane::new(DVec3::new(0.0, 0.0, 1.5), -DVec3::Z, 3.0).unwrap();
+        let iron = IronPlanes::new(vec![plane]).unwrap();
+        let rigid =
+            Deformation { bend: None, rotation_rad: DVec3::new(0.1, -0.2, 0.3), shift: DVec3::new(1.0, 2.0, -3.0) };
+        let moved = rigid.apply_to_iron(&iron, &row()).unwrap();
+        let images = moved.images(&rigid.apply(&row()).unwrap()).unwrap().tiles;
+        let known = rigid.apply(&[row(), iron.images(&row()).unwrap().tiles].concat()).unwrap();
+        let offset = images[2].position() - known[7].position();
+        for (image, known) in images.iter().zip(&known[5..]) {
+            assert!((image.scene_polarization_t() - known.scene_polarization_t()).length() < 1e-15);
+            // Their boxes have other centres, about which they turn.
+            assert!((image.position() - known.position() - offset).length() < 1e-14);
+        }
+        let bent = Deformation { bend: Some(Bend::Cylinder { along: 0, radius: 20.0 }), ..Deformation::default() };
+        assert_eq!(bent.apply_to_iron(&iron, &row()), Err(DeformationError::BentIron));
+        assert_eq!(bent.apply_to_iron(&IronPlanes::default(), &row()), Ok(IronPlanes::default()));
     }
 
     /// A film on a cylinder: centres are on it, tiles are tangent to it, and arcs are as long as

@@ -137,35 +137,28 @@ impl IronPlanes {
         Ok(())
     }
 
-    /// Number of reflections of the images of tiles, and the largest flux density of all others.
-    fn series(&self, tiles: &[Tile]) -> (u32, f64) {
+    /// Number of reflections of the images of tiles, and the largest flux density of all others,
+    /// which is to be at most `negligible_t`.
+    fn series(&self, tiles: &[Tile], negligible_t: f64) -> (u32, f64) {
         let (one, other) = match &self.planes[..] {
             [] => return (0, 0.0),
             [_] => return (1, 0.0),
             [one, other, ..] => (one, other),
         };
         let omitted = OmittedImages::new(one, other, tiles);
-        let is_enough = |reflections: &u32| omitted.bound_t(*reflections) <= NEGLIGIBLE_T;
+        let is_enough = |reflections: &u32| omitted.bound_t(*reflections) <= negligible_t;
         let reflections = (2..MOST_REFLECTIONS).find(is_enough).unwrap_or(MOST_REFLECTIONS);
         (reflections, omitted.bound_t(reflections))
     }
 
     /// [`TileImages::truncation_error_t`], without making the images.
     pub fn truncation_error_t(&self, tiles: &[Tile]) -> f64 {
-        self.series(tiles).1
+        self.series(tiles, NEGLIGIBLE_T).1
     }
 
     /// The reflections that make the images of tiles, in the order of [`IronPlanes::images`].
     pub fn reflections(&self, tiles: &[Tile]) -> Vec<Reflection> {
-        let (most, _) = self.series(tiles);
-        let from = |first: usize| {
-            let planes = self.planes.iter().cycle().skip(first).take(most as usize);
-            planes.scan(Reflection::NONE, |last, plane| {
-                *last = last.then(plane);
-                (plane.image_factor() != 0.0).then_some(*last)
-            })
-        };
-        (0..self.planes.len()).flat_map(from).collect()
+        self.successive(tiles, NEGLIGIBLE_T, Reflection::NONE, |last, plane| Some(last.then(plane)))
     }
 
     /// The images of tiles, whose field adds to theirs. Images in two planes have images again; the
@@ -189,21 +182,46 @@ impl IronPlanes {
     /// # Errors
     /// The faults of an image that is out of the range of tiles.
     pub fn reflected(&self, tiles: &[Tile]) -> Result<Vec<Tile>, TileFaults> {
-        let (reflections, _) = self.series(tiles);
-        let mut images = Vec::new();
-        for first in 0..self.planes.len() {
-            let mut last = tiles.to_vec();
-            for plane in self.planes.iter().cycle().skip(first).take(reflections as usize) {
-                if plane.image_factor() == 0.0 {
-                    break;
-                }
-                for tile in &mut last {
-                    *tile = plane.image(tile)?;
-                }
-                images.extend(&last);
-            }
-        }
-        Ok(images)
+        Ok(self.reflected_beyond(tiles, NEGLIGIBLE_T)?.into_iter().flat_map(|(_, images)| images).collect())
+    }
+
+    /// The images of tiles by each reflection, except those with a flux density of at most
+    /// `negligible_t` together, and those of more than 128 reflections.
+    ///
+    /// # Errors
+    /// As [`IronPlanes::reflected`].
+    pub fn reflected_beyond(
+        &self,
+        tiles: &[Tile],
+        negligible_t: f64,
+    ) -> Result<Vec<(Reflection, Vec<Tile>)>, TileFaults> {
+        let none = Ok((Reflection::NONE, tiles.to_vec()));
+        let images = self.successive(tiles, negligible_t, none, |last, plane| {
+            let (reflection, tiles) = last.as_ref().ok()?;
+            let images = tiles.iter().map(|tile| plane.image(tile)).collect::<Result<_, _>>();
+            Some(images.map(|images| (reflection.then(plane), images)))
+        });
+        images.into_iter().collect()
+    }
+
+    /// What successive planes make of `none`, begun by each plane in turn. The series ends where
+    /// the images of tiles are negligible, and at `None`.
+    fn successive<T: Clone>(
+        &self,
+        tiles: &[Tile],
+        negligible_t: f64,
+        none: T,
+        next: impl Fn(&T, &IronPlane) -> Option<T>,
+    ) -> Vec<T> {
+        let (most, _) = self.series(tiles, negligible_t);
+        let from = |first: usize| {
+            let planes = self.planes.iter().cycle().skip(first).take(most as usize);
+            planes.scan(none.clone(), |last, plane| {
+                *last = next(last, plane)?;
+                (plane.image_factor() != 0.0).then(|| last.clone())
+            })
+        };
+        (0..self.planes.len()).flat_map(from).collect()
     }
 }
 

@@ -39,6 +39,11 @@ impl Reflection {
         self.turn * motion
     }
 
+    /// The matrix that maps the polarization of a tile to the polarization of its image.
+    pub fn of_polarization(&self) -> DMat3 {
+        self.factor * self.turn.transpose()
+    }
+
     /// The field of the images at a point, from the field of the tiles at its place.
     pub fn field(&self, at_place: DVec3) -> DVec3 {
         self.factor * (self.turn.transpose() * at_place)

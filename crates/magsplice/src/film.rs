@@ -207,11 +207,6 @@ impl Film {
         Ok(self.weakened(film).with_head(self.head().cloned()))
     }
 
-    /// Refuses work that does not take iron into account, in words such as "forces are computed".
-    pub(crate) fn without_iron(&self, what: &'static str) -> Result<(), FilmError> {
-        if self.layout.iron.is_empty() { Ok(()) } else { Err(FilmError::Iron(what)) }
-    }
-
     /// A film with other tiles at the places of this film. Its tiles weaken and turn as the tiles
     /// of this film do.
     ///
@@ -220,7 +215,8 @@ impl Film {
     pub fn weakened(&self, film: RealFilm) -> RealFilm {
         let Some(recoil) = &self.recoil else { return film };
         let solution = &recoil.magnetization;
-        let remainder = Scene::new(&solution.deviations());
+        let remainder = Scene::new(&solution.deviations()).with_planes(&self.layout.iron);
+        let remainder = remainder.expect("cells of tiles before the iron, as the layout requires");
         film.with_weakening(Weakening::new(&self.layout.bare_tiles(), &solution.mean_tiles(), remainder))
     }
 

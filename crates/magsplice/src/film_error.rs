@@ -27,9 +27,6 @@ pub enum FilmError {
     /// The layout has a head, and this needs one sensor.
     #[error("{0}: leave out head or [[sensor.element]] of [sensor]")]
     Head(&'static str),
-    /// The layout has flat iron, and this does not take it into account.
-    #[error("{0} without the field of iron: leave out [[plane]]")]
-    Iron(&'static str),
     /// The layout has discs, whose strips do not have errors of their own.
     #[error(
         "errors of each tile would part the strips of a disc, which move together: give its errors in [[tolerance.group]], \

@@ -102,15 +102,12 @@ impl FilmRecoil {
         if !layout.has_recoil() {
             return Ok(None);
         }
-        if !layout.iron.is_empty() {
-            return Err(FilmError::Iron("recoil is computed"));
-        }
         let tiles = recoil_tiles(layout, None);
         let failed = |error| FilmError::from_recoil(error, layout);
         let points = points(layout);
         let figures = FigureGrid::new(layout);
         let quantity = |cells: &[Tile]| {
-            let scene = Scene::new(cells);
+            let scene = scene(layout, cells);
             let field_t = scene.field_at(Quantity::FluxDensity, &points);
             let mut values = field_t
                 .map_or(vec![f64::NAN; 3 * points.len()], |field_t| field_t.iter().flat_map(DVec3::to_array).collect());
@@ -132,9 +129,10 @@ impl FilmRecoil {
         };
         let told = |level: usize| progress.show(Stage { name: "polarization, level", done: level, of: None, unit: "" });
         let group = Group { vectors: points.len(), components: 3 };
-        let refined = refine_within(&tiles, MAX_CELLS, &[group], tolerances, quantity, told).map_err(failed)?;
+        let refined =
+            refine_within(&tiles, &layout.iron, MAX_CELLS, &[group], tolerances, quantity, told).map_err(failed)?;
         let (values, errors) = (&refined.values, &refined.errors);
-        let of_rigid = figures.as_ref().and_then(|grid| grid.figures(&Scene::new(&bare)));
+        let of_rigid = figures.as_ref().and_then(|grid| grid.figures(&scene(layout, &bare)));
         let found = of_rigid.map(|without| {
             let [with_recoil, errors] = [values, errors].map(|flat| unflat(&without, &flat[of_field..]));
             FiguresWithRecoil { without, with_recoil, errors }
@@ -203,13 +201,18 @@ impl RecoilEstimate {
             return Ok(None);
         };
         let tiles = recoil_tiles(layout, (!stated).then_some(permeability));
-        let estimate = Magnetization::first_order(&tiles, 1, |_| {})
+        let estimate = Magnetization::first_order(&tiles, &layout.iron, 1, |_| {})
             .map_err(|error| FilmError::from_recoil(RefinementError::Recoil(error), layout))?;
-        let figures = [&layout.bare_tiles()[..], estimate.cells()].map(|tiles| grid.figures(&Scene::new(tiles)));
+        let figures = [&layout.bare_tiles()[..], estimate.cells()].map(|tiles| grid.figures(&scene(layout, tiles)));
         let [Some(without), Some(with_recoil)] = figures else { return Ok(None) };
         let recoil_permeability = (!stated).then_some(permeability.along());
         Ok(Some(RecoilEstimate { recoil_permeability, without, with_recoil }))
     }
+}
+
+/// The scene of tiles or their cells before the iron of a layout.
+fn scene(layout: &Layout, tiles: &[Tile]) -> Scene {
+    Scene::new(tiles).with_planes(&layout.iron).expect("tiles before the iron, as the layout requires")
 }
 
 /// The tiles of a layout with their permeabilities, or all with one.

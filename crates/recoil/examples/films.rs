@@ -48,10 +48,18 @@ fn main() -> Result<(), Box<dyn Error>> {
             let permeability = Permeability::isotropic(mu_r)?;
             let tiles: Vec<RecoilTile> =
                 layout.bare_tiles().into_iter().map(|tile| RecoilTile { tile, permeability }).collect();
-            let estimate = uniformity_r_x(&layout, Magnetization::first_order(&tiles, 1, |_| {})?.cells());
+            let estimate =
+                uniformity_r_x(&layout, Magnetization::first_order(&tiles, &layout.iron, 1, |_| {})?.cells());
             let start = Instant::now();
             let level = highest_level(&tiles, MOST_CELLS);
-            let refined = extrapolated_at(&tiles, level, &[], |cells| vec![uniformity_r_x(&layout, cells)], |_| {})?;
+            let refined = extrapolated_at(
+                &tiles,
+                &layout.iron,
+                level,
+                &[],
+                |cells| vec![uniformity_r_x(&layout, cells)],
+                |_| {},
+            )?;
             let cells = refined.magnetization.cells();
             let changes = refined.magnetization.tile_changes();
             let weakening = changes.iter().map(|change| change.weakening).sum::<f64>() / changes.len() as f64;

@@ -41,7 +41,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let rigid = FilmForces::new(&bare, TURNED_ERROR, || {})?;
     let of_largest = largest(rigid.by_all().iter().map(|load| load.force));
     let at_level = |level: usize| -> Result<(Magnetization, FilmForces), Box<dyn Error>> {
-        let solved = Magnetization::solve(&tiles, level, |_| {})?;
+        let solved = Magnetization::solve(&tiles, &layout.iron, level, |_| {})?;
         let forces = FilmForces::of_cells(&solved.mean_tiles(), solved.cells(), solved.owners(), TURNED_ERROR, || {})?;
         Ok((solved, forces))
     };

@@ -7,7 +7,7 @@ use std::error::Error;
 use std::time::Instant;
 
 use glam::DVec3;
-use magsplice_magnet::Tile;
+use magsplice_magnet::{IronPlanes, Tile};
 use magsplice_recoil::{Magnetization, Permeability, RecoilTile};
 
 const CUBES: usize = 40;
@@ -24,7 +24,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let tiles = (0..CUBES * CUBES).map(cube).collect::<Result<Vec<RecoilTile>, _>>()?;
     let start = Instant::now();
-    let solved = Magnetization::solve(&tiles, LEVEL, |_| {})?;
+    let solved = Magnetization::solve(&tiles, &IronPlanes::default(), LEVEL, |_| {})?;
     println!("{} cells, {:.1} s on {} threads", solved.cells().len(), start.elapsed().as_secs_f64(), threads());
     // Only Linux has this file.
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();

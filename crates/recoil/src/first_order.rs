@@ -1,8 +1,7 @@
 //! The polarization to first order in the susceptibility.
 
 use glam::DVec3;
-use magsplice_magnet::Tile;
-use magsplice_pair::mean_tensor;
+use magsplice_magnet::{IronPlanes, Tile};
 use rayon::prelude::*;
 
 use crate::division::Division;
@@ -14,7 +13,7 @@ use crate::tolerances::MOST_CELLS_OF_TENSORS;
 
 impl Magnetization {
     /// The polarization J = J_r + chi mu0 H in the field H of the polarizations J_r, with each tile
-    /// divided into cells at a level. It is an estimate without the solution of equations. 56 tiles
+    /// divided into cells at a level. `iron` is around them. It is an estimate without the solution of equations. 56 tiles
     /// of one cell each take milliseconds.
     ///
     /// # Accuracy
@@ -27,10 +26,11 @@ impl Magnetization {
     /// The errors of [`Magnetization::solve`], except the errors of the solution.
     pub fn first_order(
         tiles: &[RecoilTile],
+        iron: &IronPlanes,
         level: usize,
         progress: impl Fn(usize) + Sync,
     ) -> Result<Magnetization, RecoilError> {
-        let division = Division::new(tiles, level)?;
+        let division = Division::new(tiles, iron, level)?;
         let rigid: Vec<DVec3> = division.cells.iter().map(Tile::scene_polarization_t).collect();
         let fields_t = mean_fields_t(&division, &rigid, progress)?;
         let induced: Vec<DVec3> =
@@ -52,9 +52,7 @@ fn mean_fields_t(
         progress(1);
         let mut sum = DVec3::ZERO;
         for (j, j_t) in rigid.iter().enumerate() {
-            let tensor =
-                mean_tensor(&division.cells[i], &division.cells[j]).map_err(|error| division.turned(i, j, error))?;
-            sum += tensor.apply(*j_t);
+            sum += division.mean_tensor(i, j)? * *j_t;
         }
         Ok(-sum)
     };
@@ -75,8 +73,8 @@ mod tests {
             let tiles = [(DVec3::ZERO, DVec3::Z), (DVec3::new(1.2, 0.3, 0.0), DVec3::X)].map(|(position, j_t)| {
                 RecoilTile { tile: Tile::new(position, DVec3::ONE, j_t).unwrap(), permeability }
             });
-            let estimate = Magnetization::first_order(&tiles, 2, |_| {}).unwrap();
-            let solution = Magnetization::solve(&tiles, 2, |_| {}).unwrap();
+            let estimate = Magnetization::first_order(&tiles, &IronPlanes::default(), 2, |_| {}).unwrap();
+            let solution = Magnetization::solve(&tiles, &IronPlanes::default(), 2, |_| {}).unwrap();
             let pairs = estimate.cells().iter().zip(solution.cells());
             pairs.map(|(a, b)| (a.polarization_t() - b.polarization_t()).length()).fold(0.0, f64::max)
         };
@@ -89,7 +87,9 @@ mod tests {
     fn unit_permeability_keeps_every_bit() {
         let permeability = Permeability::isotropic(1.0).unwrap();
         let tile = Tile::new(DVec3::ZERO, DVec3::ONE, DVec3::new(0.1, 0.2, -0.3)).unwrap();
-        let estimate = Magnetization::first_order(&[RecoilTile { tile, permeability }], 1, |_| {}).unwrap();
+        let estimate =
+            Magnetization::first_order(&[RecoilTile { tile, permeability }], &IronPlanes::default(), 1, |_| {})
+                .unwrap();
         assert_eq!(estimate.cells(), [tile]);
     }
 }

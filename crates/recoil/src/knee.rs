@@ -50,7 +50,7 @@ impl Magnetization {
 #[cfg(test)]
 mod tests {
     use glam::DVec3;
-    use magsplice_magnet::{Permeability, Tile};
+    use magsplice_magnet::{IronPlanes, Permeability, Tile};
 
     use super::*;
     use crate::material::RecoilTile;
@@ -64,7 +64,7 @@ mod tests {
     /// along the line between them, adds to its demagnetizing field.
     #[test]
     fn knee_is_passed_by_the_right_cells() {
-        let alone = Magnetization::solve(&[cube(0.0, DVec3::Z)], 1, |_| {}).unwrap();
+        let alone = Magnetization::solve(&[cube(0.0, DVec3::Z)], &IronPlanes::default(), 1, |_| {}).unwrap();
         let [Some(field_t)] = alone.fields_along_easy_axis_t()[..] else { panic!("one cell") };
         assert!((field_t + 1.0 / 3.05).abs() <= 1e-12, "{field_t}");
         assert!(alone.beyond_knee(0.33).is_empty());
@@ -73,7 +73,7 @@ mod tests {
         assert_eq!(alone.beyond_knee(0.32), [DemagnetizedCell { cell: 0, tile: 0, field_t }]);
         assert_eq!(alone.share_beyond_knee(0.32), 1.0);
         let tiles = [cube(5.0, DVec3::ZERO), cube(0.0, DVec3::X), cube(1.0, -DVec3::X)];
-        let opposed = Magnetization::solve(&tiles, 1, |_| {}).unwrap();
+        let opposed = Magnetization::solve(&tiles, &IronPlanes::default(), 1, |_| {}).unwrap();
         let found = opposed.beyond_knee(0.35);
         assert_eq!(found.iter().map(|cell| cell.tile).collect::<Vec<_>>(), [1, 2]);
         assert!((opposed.share_beyond_knee(0.35) - 2.0 / 3.0).abs() < 1e-15);

@@ -21,7 +21,7 @@
 //! ```
 //! use glam::DVec3;
 //! use magsplice_field::{Quantity, Scene};
-//! use magsplice_magnet::Tile;
+//! use magsplice_magnet::{IronPlanes, Tile};
 //! use magsplice_recoil::{Permeability, RecoilTile, RefinementSettings, refine};
 //!
 //! let permeability = Permeability::isotropic(1.05)?;
@@ -35,7 +35,7 @@
 //!     Ok(field) => field[0].to_array().to_vec(),
 //!     Err(_) => vec![f64::NAN; 3],
 //! };
-//! let settings = RefinementSettings { tolerances: vec![1e-4; 3], most_cells: 1_000 };
+//! let settings = RefinementSettings { tolerances: vec![1e-4; 3], most_cells: 1_000, iron: IronPlanes::default() };
 //! let refined = refine(&tiles, &settings, b_t, |_| {})?;
 //! assert!(refined.errors.iter().all(|error_t| *error_t <= 1e-4));
 //! assert!(refined.magnetization.tile_changes()[0].weakening > 0.005);

@@ -39,7 +39,7 @@ impl Magnetization {
         induced_t: &[DVec3],
         fields_t: Vec<DVec3>,
     ) -> Result<Magnetization, RecoilError> {
-        let Division { mut cells, owners } = division;
+        let Division { mut cells, owners, .. } = division;
         for ((cell, owner), induced_t) in cells.iter_mut().zip(&owners).zip(induced_t) {
             let polarization_t = cell.polarization_t() + cell.rotation().inverse() * *induced_t;
             *cell = Tile::new(cell.position(), cell.size(), polarization_t)
@@ -133,7 +133,7 @@ impl TileChange {
 #[cfg(test)]
 mod tests {
     use glam::DQuat;
-    use magsplice_magnet::Permeability;
+    use magsplice_magnet::{IronPlanes, Permeability};
 
     use super::*;
 
@@ -145,7 +145,7 @@ mod tests {
         let turned = turned.unwrap().rotated(DQuat::from_rotation_z(0.4)).unwrap();
         let tiles = [Tile::new(DVec3::ZERO, DVec3::ONE, DVec3::Z).unwrap(), turned];
         let tiles = tiles.map(|tile| RecoilTile { tile, permeability });
-        let solution = Magnetization::solve(&tiles, 2, |_| {}).unwrap();
+        let solution = Magnetization::solve(&tiles, &IronPlanes::default(), 2, |_| {}).unwrap();
         let points = [DVec3::new(0.3, 0.2, -1.5), DVec3::new(-2.0, 1.0, 0.4)];
         let field_t = |tiles: &[Tile]| {
             let scene = magsplice_field::Scene::new(tiles);

@@ -1,7 +1,7 @@
 //! The sums of the mean tensors of all pairs of cells.
 
-use glam::DVec3;
-use magsplice_magnet::Tile;
+use glam::{DMat3, DVec3};
+use magsplice_magnet::{IronPlanes, Tile};
 
 use crate::division::Division;
 use crate::error::RecoilError;
@@ -9,10 +9,11 @@ use crate::fast_sum::cell_sum::CellSum;
 use crate::material::RecoilTile;
 use crate::pair_tensors::PairTensors;
 use crate::symmetry::Orbits;
-use crate::tolerances::{MOST_CELLS_OF_TENSORS, MOST_PERMEABILITY_OF_TREE, RESIDUAL, RESIDUAL_OF_TREE};
+use crate::tolerances::{MAX_CELLS, MOST_CELLS_OF_TENSORS, MOST_PERMEABILITY_OF_TREE, RESIDUAL, RESIDUAL_OF_TREE};
 
 /// The matrix of the tensors T_ij of representatives of orbits ([`PairTensors`]). Without mirrors,
-/// each cell is the only one of its orbit, and T_ij is sqrt(V_i / V_j) N_ij.
+/// each cell is the only one of its orbit, and T_ij is sqrt(V_i / V_j) N_ij. N_ij has the images of
+/// j in planes of iron too.
 pub(crate) struct PairSums {
     method: Method,
     /// The cells with computed sums.
@@ -27,8 +28,9 @@ const MOST_IMAGES: usize = 8;
 enum Method {
     /// The tensors of all pairs.
     Tensors(PairTensors),
-    /// The tensors of near pairs, and expansions.
-    Tree(CellSum),
+    /// The tensors of near pairs, and expansions, of the cells and their images, with the matrices
+    /// of the polarizations of images.
+    Tree(Box<CellSum>, Vec<DMat3>),
 }
 
 impl PairSums {
@@ -41,14 +43,16 @@ impl PairSums {
     pub(crate) fn new(
         tiles: &[RecoilTile],
         division: &Division,
+        iron: &IronPlanes,
         level: usize,
         progress: impl Fn(usize) + Sync,
     ) -> Result<PairSums, RecoilError> {
         let count = division.cells.len();
+        let pairs = count * count * (1 + division.images.len());
         // With eight images the number of pairs is divided by eight.
-        let takes_tensors = |images: usize| count * count <= images * MOST_CELLS_OF_TENSORS * MOST_CELLS_OF_TENSORS;
+        let takes_tensors = |images: usize| pairs <= images * MOST_CELLS_OF_TENSORS * MOST_CELLS_OF_TENSORS;
         if takes_tensors(MOST_IMAGES) {
-            let orbits = Orbits::new(tiles, division, level);
+            let orbits = Orbits::new(tiles, division, iron, level);
             if takes_tensors(orbits.images.len()) {
                 return PairSums::by_tensors(division, orbits, progress);
             }
@@ -75,7 +79,13 @@ impl PairSums {
     pub(crate) fn by_tree(division: &Division, progress: impl Fn(usize) + Sync) -> Result<PairSums, RecoilError> {
         let orbits = Orbits::trivial(division.cells.len());
         let roots_of_volume = roots_of_volume(division, &orbits);
-        let method = Method::Tree(CellSum::new(division, &roots_of_volume, progress)?);
+        let all = division.with_images();
+        if all.cells.len() > MAX_CELLS {
+            return Err(RecoilError::TooManyCells { count: all.cells.len() });
+        }
+        let roots_of_all = roots_of_volume.repeat(1 + division.images.len());
+        let images = division.images.iter().map(|(reflection, _)| reflection.of_polarization()).collect();
+        let method = Method::Tree(Box::new(CellSum::new(&all, &roots_of_all, progress)?), images);
         Ok(PairSums { method, orbits, roots_of_volume })
     }
 
@@ -83,7 +93,13 @@ impl PairSums {
     pub(crate) fn apply(&self, v: &[DVec3]) -> Vec<DVec3> {
         match &self.method {
             Method::Tensors(tensors) => tensors.apply(v),
-            Method::Tree(tree) => tree.apply(v),
+            Method::Tree(tree, images) => {
+                let of_images = images.iter().flat_map(|image| v.iter().map(move |v| *image * *v));
+                let all: Vec<DVec3> = v.iter().copied().chain(of_images).collect();
+                let mut sums = tree.apply(&all);
+                sums.truncate(v.len());
+                sums
+            }
         }
     }
 
@@ -100,7 +116,7 @@ impl PairSums {
     pub(crate) fn residual(&self) -> f64 {
         match self.method {
             Method::Tensors(_) => RESIDUAL,
-            Method::Tree(_) => RESIDUAL_OF_TREE,
+            Method::Tree(..) => RESIDUAL_OF_TREE,
         }
     }
 }

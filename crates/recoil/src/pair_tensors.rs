@@ -1,7 +1,6 @@
 //! The mean tensors of all pairs of cells.
 
 use glam::{DMat3, DVec3};
-use magsplice_pair::mean_tensor;
 use rayon::prelude::*;
 
 use crate::division::Division;
@@ -11,7 +10,7 @@ use crate::symmetry::Orbits;
 /// The tensors T_ij of all pairs of representatives of orbits; T_ji is the transpose of T_ij.
 ///
 /// T_ij is the sum over all products g of mirrors of sqrt(V_i / V_j) N_ig(j) D_g, over sqrt(s_i
-/// s_j), where s is the number of mirrors that keep a cell in its place. D_g holds the signs of
+/// s_j), where N_ij has the images of j in planes of iron too, and s is the number of mirrors that keep a cell in its place. D_g holds the signs of
 /// components of polarizations. Vectors are vectors of cells times sqrt(o), with the orbit's size
 /// o.
 pub(crate) struct PairTensors {
@@ -36,9 +35,7 @@ impl PairTensors {
                 let j = orbits.representatives[column];
                 let mut sum = DMat3::ZERO;
                 for (images, signs) in &orbits.images {
-                    let tensor = mean_tensor(&cells[i], &cells[images[j]])
-                        .map_err(|error| division.turned(i, images[j], error))?;
-                    sum += tensor.to_matrix() * DMat3::from_diagonal(*signs);
+                    sum += division.mean_tensor(i, images[j])? * DMat3::from_diagonal(*signs);
                 }
                 Ok(sum * (volume(i) / (volume(j) * stabilizers[row] * stabilizers[column])).sqrt())
             };

@@ -15,7 +15,7 @@
 //! 3. The result is an estimate, not a bound. It excludes the error of the solution of the cells,
 //! which with many cells is [`crate::tolerances::TREE_ERROR`] of the change.
 
-use magsplice_magnet::Tile;
+use magsplice_magnet::{IronPlanes, Tile};
 use thiserror::Error;
 
 use crate::cells::cell_count;
@@ -64,6 +64,8 @@ pub struct RefinementSettings {
     pub tolerances: Vec<f64>,
     /// Largest number of cells, at most [`MAX_CELLS`].
     pub most_cells: usize,
+    /// Flat iron around the tiles. The quantity adds the field of its images.
+    pub iron: IronPlanes,
 }
 
 /// Values with their errors.
@@ -134,8 +136,8 @@ pub fn refine(
     quantity: impl Fn(&[Tile]) -> Vec<f64>,
     progress: impl Fn(usize) + Sync,
 ) -> Result<Refined, RefinementError> {
-    let RefinementSettings { tolerances, most_cells } = settings;
-    refine_within(tiles, *most_cells, &[], |_, _| tolerances.clone(), quantity, progress)
+    let RefinementSettings { tolerances, most_cells, iron } = settings;
+    refine_within(tiles, iron, *most_cells, &[], |_, _| tolerances.clone(), quantity, progress)
 }
 
 /// [`refine`] to tolerances that depend on the values: `tolerances` maps the values for J_r and
@@ -147,6 +149,7 @@ pub fn refine(
 /// The errors of [`refine`].
 pub fn refine_within(
     tiles: &[RecoilTile],
+    iron: &IronPlanes,
     most_cells: usize,
     groups: &[Group],
     tolerances: impl Fn(&[f64], &[f64]) -> Vec<f64>,
@@ -155,7 +158,7 @@ pub fn refine_within(
 ) -> Result<Refined, RefinementError> {
     let most_cells = most_cells.min(MAX_CELLS);
     let highest = highest_level(tiles, most_cells);
-    let mut levels = Levels::new(tiles, quantity);
+    let mut levels = Levels::new(tiles, iron, quantity);
     let mut last_tolerances = tolerances(&levels.rigid, &levels.rigid);
     let counted = |values: usize, tolerances: usize| match values == tolerances {
         true => Ok(()),
@@ -206,13 +209,14 @@ pub fn refine_within(
 /// If the level is less than 3, or the number of values of the quantity changes between levels.
 pub fn extrapolated_at(
     tiles: &[RecoilTile],
+    iron: &IronPlanes,
     level: usize,
     groups: &[Group],
     quantity: impl Fn(&[Tile]) -> Vec<f64>,
     progress: impl Fn(usize) + Sync,
 ) -> Result<Refined, RecoilError> {
     assert!(level >= LEAST_LEVEL, "level {level}, must be at least {LEAST_LEVEL}");
-    let mut levels = Levels::new(tiles, quantity);
+    let mut levels = Levels::new(tiles, iron, quantity);
     for _ in 1..level {
         levels.next(&progress)?;
     }
@@ -228,11 +232,12 @@ impl Magnetization {
     /// As [`Magnetization::solve`].
     pub fn extrapolated(
         tiles: &[RecoilTile],
+        iron: &IronPlanes,
         level: usize,
         progress: impl Fn(usize) + Sync,
     ) -> Result<Magnetization, RecoilError> {
-        let before = Magnetization::solve(tiles, level.saturating_sub(1), &progress)?;
-        Ok(Magnetization::solve(tiles, level, &progress)?.extrapolated_from(&before, weight(level)))
+        let before = Magnetization::solve(tiles, iron, level.saturating_sub(1), &progress)?;
+        Ok(Magnetization::solve(tiles, iron, level, &progress)?.extrapolated_from(&before, weight(level)))
     }
 }
 
@@ -252,6 +257,7 @@ fn count(tiles: &[RecoilTile], level: usize) -> usize {
 /// The quantity for J_r, and at levels 1, 2 and so on.
 struct Levels<'a, Q> {
     tiles: &'a [RecoilTile],
+    iron: &'a IronPlanes,
     quantity: Q,
     rigid: Vec<f64>,
     values: Vec<Vec<f64>>,
@@ -260,15 +266,15 @@ struct Levels<'a, Q> {
 }
 
 impl<'a, Q: Fn(&[Tile]) -> Vec<f64>> Levels<'a, Q> {
-    fn new(tiles: &'a [RecoilTile], quantity: Q) -> Levels<'a, Q> {
+    fn new(tiles: &'a [RecoilTile], iron: &'a IronPlanes, quantity: Q) -> Levels<'a, Q> {
         let bare: Vec<Tile> = tiles.iter().map(|each| each.tile).collect();
-        Levels { tiles, rigid: quantity(&bare), quantity, values: Vec::new(), last: None }
+        Levels { tiles, iron, rigid: quantity(&bare), quantity, values: Vec::new(), last: None }
     }
 
     /// Solves the next level, and extrapolates from it and the one before.
     fn next(&mut self, progress: &(impl Fn(usize) + Sync)) -> Result<Magnetization, RecoilError> {
         let level = self.values.len() + 1;
-        let solved = Magnetization::solve(self.tiles, level, |_| progress(level))?;
+        let solved = Magnetization::solve(self.tiles, self.iron, level, |_| progress(level))?;
         let extrapolated = match &self.last {
             Some(before) => solved.extrapolated_from(before, weight(level)),
             None => solved.clone(),

@@ -8,10 +8,13 @@
 //! ```
 //!
 //! T is symmetric with eigenvalues between 0 and 1, so the matrix is symmetric with eigenvalues
-//! between 1 and mu_r. Conjugate gradients converge within about 6 / log10((s + 1) / (s - 1))
+//! between 1 and mu_r. With planes of iron N has the images of the cells too. T keeps its
+//! properties: a reflection maps a tensor to itself, and -J H integrates to mu0 mu_r H^2 over all
+//! space. Conjugate gradients converge within about 6 / log10((s + 1) / (s - 1))
 //! iterations, s = sqrt(mu_r), to 12 digits. Where mu_r is 1, x is 0 and J is J_r to the last bit.
 
 use glam::{DMat3, DVec3};
+use magsplice_magnet::IronPlanes;
 
 use crate::division::Division;
 use crate::error::RecoilError;
@@ -21,7 +24,8 @@ use crate::pair_sums::PairSums;
 use crate::tolerances::MOST_ITERATIONS;
 
 impl Magnetization {
-    /// The self-consistent polarization of tiles, each divided into cells at a level.
+    /// The self-consistent polarization of tiles before flat `iron`, each divided into cells at a
+    /// level.
     ///
     /// Up to [`MOST_CELLS_OF_TENSORS`](crate::tolerances::MOST_CELLS_OF_TENSORS) cells, time and
     /// memory are proportional to the square of their number. In films with one, two or three
@@ -42,11 +46,12 @@ impl Magnetization {
     /// [`MOST_PERMEABILITY_OF_TREE`](crate::tolerances::MOST_PERMEABILITY_OF_TREE).
     pub fn solve(
         tiles: &[RecoilTile],
+        iron: &IronPlanes,
         level: usize,
         progress: impl Fn(usize) + Sync,
     ) -> Result<Magnetization, RecoilError> {
-        let division = Division::new(tiles, level)?;
-        let sums = PairSums::new(tiles, &division, level, &progress)?;
+        let division = Division::new(tiles, iron, level)?;
+        let sums = PairSums::new(tiles, &division, iron, level, &progress)?;
         Magnetization::from_sums(tiles, division, &sums, progress)
     }
 

@@ -5,7 +5,7 @@
 //! planes: one cell of each orbit is unknown.
 
 use glam::{DQuat, DVec3};
-use magsplice_magnet::BoundingBox;
+use magsplice_magnet::{BoundingBox, IronPlanes};
 
 use crate::cells::cell_counts;
 use crate::division::Division;
@@ -37,10 +37,11 @@ impl Orbits {
         Orbits { representatives: (0..count).collect(), images: vec![((0..count).collect(), DVec3::ONE)] }
     }
 
-    /// The orbits of cells under the mirrors of their tiles.
-    pub(crate) fn new(tiles: &[RecoilTile], division: &Division, level: usize) -> Orbits {
+    /// The orbits of cells under the mirrors of their tiles and of the iron.
+    pub(crate) fn new(tiles: &[RecoilTile], division: &Division, iron: &IronPlanes, level: usize) -> Orbits {
         let mut orbits = Orbits::trivial(division.cells.len());
-        let mirrors = mirrors(tiles);
+        let keeps_iron = |mirror: &Mirror| iron.planes().iter().all(|plane| plane.normal()[mirror.axis] == 0.0);
+        let mirrors = mirrors(tiles).into_iter().filter(keeps_iron);
         let mut starts = vec![0];
         for each in tiles {
             starts.push(starts[starts.len() - 1] + cell_counts(each.tile.size(), level).iter().product::<usize>());

@@ -11,6 +11,10 @@ pub const MAX_CELLS: usize = 120_000;
 /// expansions.
 pub const MOST_CELLS_OF_TENSORS: usize = 1_000;
 
+/// Flux density of the images between two planes of iron that may be left out, in tesla. It
+/// changes polarizations by at most the susceptibility times it: a millionth of a typical change.
+pub(crate) const NEGLIGIBLE_T: f64 = 1e-6;
+
 /// Largest difference of a tile and the image of another in a mirror plane, in units of the extent
 /// of all tiles and of the largest polarization. It is above the rounding of coordinates and below
 /// any intended difference.

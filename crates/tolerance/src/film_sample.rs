@@ -34,12 +34,13 @@ impl RealFilm {
     pub fn sample(&self, seed: u64, sample: u64) -> Result<FilmSample, TileFaults> {
         let mut draws = Draws::new(seed, sample);
         let tiles = self.draw_tiles(&mut draws)?;
-        let mut film = vec![Scene::new(&self.in_film(&tiles)?)];
+        let in_film = self.in_film(&tiles)?;
+        let mut film = vec![Scene::new(&in_film)];
         film.extend(self.weakening().map(|weakening| weakening.remainder().clone()));
         let surroundings = self.draw_surroundings(&mut draws);
         let iron = self.iron_around(&surroundings);
         if !iron.own.is_empty() {
-            film.push(Scene::new(&iron.own.reflected(&tiles)?));
+            film.push(Scene::new(&iron.own.reflected(&in_film)?));
         }
         let pose = surroundings.pose;
         let image = |(plane, tile): (&IronPlane, &Tile)| {
@@ -252,6 +253,7 @@ mod tests {
         };
         let plate = |z: f64, up: f64| IronPlane::new(z * DVec3::Z, up * DVec3::Z, 4.0).expect("a plane");
         let plates = IronPlanes::new(vec![plate(1.0, -1.0), plate(-8.0, 1.0)]).expect("planes");
+        let far = IronPlanes::new(vec![plate(8.0, -1.0), plate(-8.0, 1.0)]).expect("planes");
         let with_recoil_t = 10.0 * 0.03_f64.powi(2) * largest_remainder_t;
         for (position_mm, kind, allowed_t) in [
             (0.1, "rigid", 1e-15),
@@ -259,6 +261,7 @@ mod tests {
             (0.1, "recoil", with_recoil_t),
             (0.1, "near", 1e-14),
             (0.1, "plates", 1e-14),
+            (0.0, "recoil with plates", 1e-14),
         ] {
             let mut tolerance = tolerance(position_mm);
             if kind == "near" {
@@ -269,13 +272,18 @@ mod tests {
             let film = match kind {
                 "recoil" => film.with_weakening(Weakening::new(&tiles, &means, remainder())),
                 "plates" => film.with_iron(plates.clone()),
+                "recoil with plates" => {
+                    let remainder = remainder().with_planes(&far).expect("tiles before the planes");
+                    film.with_iron(far.clone()).with_weakening(Weakening::new(&tiles, &means, remainder))
+                }
                 _ => film,
             };
             let sampler = Sampler::new(&film, &volume, &ideal, 7).expect("a sampler");
             for number in 0..3 {
                 let sample = film.sample(7, number).expect("tiles");
                 assert_eq!(sample.tiles(), film.sample_tiles(7, number).expect("tiles"));
-                assert_eq!(sample.film().len(), 1 + usize::from(["recoil", "plates"].contains(&kind)));
+                let parts = if kind.contains(' ') { 3 } else { 1 + usize::from(["recoil", "plates"].contains(&kind)) };
+                assert_eq!(sample.film().len(), parts);
                 let read_t = sampler.readings_of_t(number).expect("readings");
                 let sensor = sample.sensor(&HallSensor::default());
                 let noise_t = sample.noise_t(read_t.len(), &HallSensor::default());

@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 
 use glam::{DQuat, DVec3};
+use magsplice_field::Scene;
 use magsplice_head::SensorHead;
 use magsplice_layout::{ErrorGroup, FilmTolerance, NearIron};
 use magsplice_magnet::{BoundingBox, IronPlane, IronPlanes, PerTileError, Reflection, Tile, TileFaults};
@@ -67,28 +68,46 @@ impl RealFilm {
     /// The same film with recoil: its tiles weaken and turn in the field of all tiles.
     ///
     /// # Panics
-    /// If there are not as many places as tiles, or there is iron, which changes the recoil.
+    /// If there are not as many places as tiles, or there is iron near it, which changes the recoil
+    /// when it comes.
     pub fn with_weakening(self, weakening: Weakening) -> RealFilm {
-        assert!(self.iron.is_empty() && self.tolerance.common.iron.is_none(), "recoil without iron");
+        assert!(self.tolerance.common.iron.is_none(), "recoil without iron near it");
         assert_eq!(self.tiles.len(), weakening.place_count(), "a place for each tile");
         RealFilm { weakening: Some(weakening), ..self }
     }
 
     /// The same film with iron that moves with it, such as a back plate. Tiles with errors may
-    /// reach into the iron.
+    /// reach into the iron. The remainder of a weakening has its images.
     ///
     /// # Panics
-    /// If the film has iron near it, or recoil.
+    /// If the film has iron near it.
     pub fn with_iron(self, iron: IronPlanes) -> RealFilm {
-        let is_alone = self.weakening.is_none() && self.tolerance.common.iron.is_none();
-        assert!(iron.is_empty() || is_alone, "iron without recoil or other iron");
+        assert!(iron.is_empty() || self.tolerance.common.iron.is_none(), "iron without other iron");
         RealFilm { iron, ..self }
+    }
+
+    /// The reflections by the iron that moves with it.
+    pub fn reflections(&self) -> Vec<Reflection> {
+        self.iron.reflections(&self.tiles)
+    }
+
+    /// Placed tiles, one for each place, with the polarization that they have in the film, and
+    /// their images in the iron that moves with it.
+    ///
+    /// # Errors
+    /// The faults of the first tile that cannot exist.
+    ///
+    /// # Panics
+    /// If there is not one tile for each place.
+    pub fn scene(&self, tiles: &[Tile]) -> Result<Scene, TileFaults> {
+        let in_film = self.in_film(tiles)?;
+        Ok(Scene::new(&[&in_film[..], &self.iron.reflected(&in_film)?].concat()))
     }
 
     /// Its images. `error_mm` is an error of the distance of iron near it.
     pub(crate) fn images(&self, error_mm: f64) -> FilmImages {
         let mut reflections = vec![Reflection::NONE];
-        reflections.extend(self.iron.reflections(&self.tiles));
+        reflections.extend(self.reflections());
         reflections.extend(self.near_iron(error_mm).map(|plane| Reflection::NONE.then(&plane)));
         FilmImages {
             reflections,

@@ -137,8 +137,8 @@ impl<'a> Sampler<'a> {
             for (image, reflection) in images.reflections.iter().enumerate() {
                 let in_film = images.in_film(reflection, &surroundings.pose, &places);
                 let mut in_film_t = exact_field_t(&scene, &in_film)?;
-                // The remainder is small, and moves by less than it varies.
-                for (reading, (b_t, gradient)) in chip.remainder_t.iter().enumerate() {
+                // The remainder has its images, is small, and moves by less than it varies.
+                for (reading, (b_t, gradient)) in chip.remainder_t.iter().enumerate().filter(|_| image == 0) {
                     in_film_t[reading] += *b_t + *gradient * (in_film[reading] - place(&self.points[reading]));
                 }
                 images.add(image, &surroundings.pose, &in_film_t, self.points.len(), &mut read_t);
@@ -179,7 +179,8 @@ impl<'a> Sampler<'a> {
     /// The field of the film without errors at [`Sampler::places_and_images`].
     pub(crate) fn film_t(&self) -> Result<Vec<DVec3>, SampleError> {
         let remainder_t = self.chips.iter().flat_map(|chip| &chip.remainder_t).map(|(b_t, _)| b_t);
-        film_field_t(self.film, self.film.tiles(), &self.places_and_images(), remainder_t)
+        let in_film = self.film.in_film(self.film.tiles()).map_err(SampleError::Tile)?;
+        with_remainder_t(&Scene::new(&in_film), &self.places_and_images(), remainder_t)
     }
 
     /// The field of the film and of its images at each place, from that of the film at
@@ -241,15 +242,13 @@ pub fn statistics(samples: &[Figures]) -> Option<Figures<Statistics>> {
     Figures::from_fn(|figure| Statistics::new(samples.iter().filter_map(|sample| sample.get(figure).copied())))
 }
 
-/// The exact field of a film with these tiles, including the remainder of its weakening.
-pub(crate) fn film_field_t<'r>(
-    film: &RealFilm,
-    tiles: &[Tile],
+/// The exact field of tiles in a film, with the remainder of its weakening at the first points.
+pub(crate) fn with_remainder_t<'r>(
+    scene: &Scene,
     points: &[DVec3],
     remainder_t: impl IntoIterator<Item = &'r DVec3>,
 ) -> Result<Vec<DVec3>, SampleError> {
-    let in_film = film.in_film(tiles).map_err(SampleError::Tile)?;
-    let mut film_t = exact_field_t(&Scene::new(&in_film), points)?;
+    let mut film_t = exact_field_t(scene, points)?;
     film_t.iter_mut().zip(remainder_t).for_each(|(b_t, remainder_t)| *b_t += *remainder_t);
     Ok(film_t)
 }

@@ -4,11 +4,12 @@ use std::borrow::Cow;
 
 use magsplice_ideal::IdealFilm;
 use magsplice_layout::{Brief, Goal, Layout, MemoryError, Symmetry, Under, Variable, WorkingVolume, check_memory};
-use magsplice_magnet::{BoundingBox, Grid, Tile};
+use magsplice_magnet::{BoundingBox, Grid, IronPlane, Tile};
 
 use crate::error::{DesignError, NeededTable};
 use crate::problem::error_model::ErrorModel;
 use crate::problem::least_squares::LeastSquares;
+use crate::problem::near_iron::TILTED;
 use crate::problem::objective::{Objective, ideal_field_t};
 use crate::problem::pattern::Pattern;
 use crate::problem::reading::Reading;
@@ -70,8 +71,9 @@ impl<'a> DesignProblem<'a> {
     pub(crate) fn of(layout: Cow<'a, Layout>, brief: Brief) -> Result<DesignProblem<'a>, DesignError> {
         let ideal = layout.ideal.ok_or(DesignError::Missing(NeededTable::Ideal))?;
         let volume = layout.volume.ok_or(DesignError::Missing(NeededTable::Volume))?;
-        if !layout.iron.is_empty() {
-            return Err(DesignError::Iron);
+        let is_level = |plane: &IronPlane| plane.normal().x.abs().max(plane.normal().y.abs()) <= TILTED;
+        if brief.symmetry != Symmetry::None && !layout.iron.planes().iter().all(is_level) {
+            return Err(DesignError::TiltedIron);
         }
         let tiles = layout.bare_tiles();
         let named = |indices: Vec<usize>| indices.into_iter().map(|i| layout.tiles[i].name.clone()).collect();
@@ -97,7 +99,8 @@ impl<'a> DesignProblem<'a> {
         check_free_memory(&pattern, &design_grid(&volume, brief.step_mm), &reading).map_err(DesignError::Memory)?;
         volume.check_memory(BYTES_PER_POINT).map_err(DesignError::Memory)?;
         let grid = design_grid(&volume, brief.step_mm);
-        let sampling = Sampling::new(grid, volume.reference_mm, brief.symmetry, reading);
+        let sampling =
+            Sampling::new(grid, volume.reference_mm, brief.symmetry, reading, &layout.iron.reflections(&tiles));
         let ideal_field_t = ideal_field_t(&ideal, layout.head(), sampling.computed())?;
         let objective = Objective {
             goal: brief.goal,

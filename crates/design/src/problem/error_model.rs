@@ -121,8 +121,8 @@ impl ErrorModel {
     /// The model of the errors of a layout.
     ///
     /// # Errors
-    /// If a neighbouring film has no field at a point of the grid, or iron near the film is not
-    /// parallel to it at a distance without errors.
+    /// If a neighbouring film has no field at a point of the grid, iron near the film is not
+    /// parallel to it at a distance without errors, or iron moves with the film.
     pub(crate) fn new(
         tolerance: &FilmTolerance,
         ordered: &[Tile],
@@ -158,6 +158,10 @@ impl ErrorModel {
             false => joint.extend((0..reading.sensors().len()).map(|number| displaced(Some(number)))),
         }
         joint.retain(|errors| errors.mean_squares != MeanSquares::default());
+        // The first is none.
+        if sampling.reflections.len() > 1 && joint.iter().any(|errors| errors.centre == Centre::Box) {
+            return Err(DesignError::MovedIron);
+        }
         let symmetric = sampling.is_symmetric() && (weights[0] == weights[1] || !sampling.exchanges());
         let of_sensor = [&sensor_errors.position_mm, &sensor_errors.rotation_rad, &sensor_errors.gain].map(vector);
         let exchangeable = of_sensor.iter().all(|squares| squares.x == squares.y);

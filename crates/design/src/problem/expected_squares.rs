@@ -175,7 +175,8 @@ impl Rows<'_> {
                 continue;
             }
             let deviations = mean_squares.map(f64::sqrt);
-            let responding = RespondingTile::new(tile, film.variables, active, film.with_derivatives())?;
+            let responding =
+                RespondingTile::new(tile, &film.sampling.reflections, film.variables, active, film.with_derivatives())?;
             let mapped: Vec<DVec3> = points.iter().map(|point| operation.inverse().apply(*point)).collect();
             let mut responses = responding.read(&film.sampling.reading.seen_by(operation), &mapped)?;
             let at_reference = responses.pop()?;

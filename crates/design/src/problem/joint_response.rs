@@ -84,7 +84,8 @@ pub(crate) fn joint_responses(errors: &JointErrors, points: &[usize], film: &Rob
         if images().next().is_none() {
             continue;
         }
-        let responding = RespondingTile::new(tile, film.variables, all_axes(active), n > 0)?;
+        let responding =
+            RespondingTile::new(tile, &film.sampling.reflections, film.variables, all_axes(active), n > 0)?;
         for (operation, _) in images() {
             let mapped: Vec<DVec3> = points.iter().map(|point| operation.inverse().apply(*point)).collect();
             let centre = centre_of(tile, *operation, film);

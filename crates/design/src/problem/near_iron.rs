@@ -11,7 +11,7 @@ use crate::problem::symmetry::SymmetryOperation;
 
 /// Component of the normal along x or y from which on iron is not parallel to the film. Normals
 /// from angles have round-off.
-const TILTED: f64 = 1e-12;
+pub(crate) const TILTED: f64 = 1e-12;
 
 /// Iron above or below the film, whose images have the field of the film at mirrored points.
 #[derive(Clone, Debug)]
@@ -51,7 +51,7 @@ impl IronImages {
             Grid::new(one.min(other), one.max(other), sampling.grid.counts()).map_err(|_| DesignError::NearIron)?;
         let reference = plane.mirrored(sampling.reference);
         Ok(IronImages {
-            sampling: Sampling::new(grid, reference, sampling.symmetry, sampling.reading.upside_down()),
+            sampling: Sampling::new(grid, reference, sampling.symmetry, sampling.reading.upside_down(), &[]),
             factor: -plane.image_factor() * DVec3::new(1.0, 1.0, -1.0),
             later: iron.later,
         })

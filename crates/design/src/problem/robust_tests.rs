@@ -8,7 +8,7 @@ use magsplice_layout::{Layout, Under, WorkingVolume};
 use magsplice_magnet::{Quantity, Tile};
 use magsplice_tolerance::{EvaluationGrid, FirstOrder, RealFilm};
 
-use crate::derivative_tests::HEADS;
+use crate::derivative_tests::{HEADS, PLATE};
 use crate::problem::design_problem::DesignProblem;
 use crate::problem::reading::Reading;
 
@@ -81,10 +81,15 @@ fn expected_square_is_that_of_the_model_of_first_order() {
     let vary = "vary = [\"size\"]";
     let shared = format!("{TILE_ERRORS}{SHARED_ERRORS}");
     let with_images = shared.replace(r#"["a", "b"]"#, r#"["a*"]"#);
+    // The film stays before its iron.
+    let fixed: String = shared.split_inclusive('\n').filter(|line| !line.starts_with("film =")).collect();
+    let mirror = format!("{vary}\nsymmetry = \"mirror\"");
     for (name, layout, terms) in [
         ("alone", layout(&shared, vary, PAIR), 30),
         ("mirrored, all errors", layout(&with_images, &format!("{vary}\nsymmetry = \"mirror\""), MIRRORED), 30),
         ("mirrored", layout(TILE_ERRORS, &format!("{vary}\nsymmetry = \"mirror\""), MIRRORED), 12),
+        ("alone before iron", layout(&fixed, vary, &format!("{PAIR}{PLATE}")), 30),
+        ("mirrored before iron", layout(TILE_ERRORS, &mirror, &format!("{MIRRORED}{PLATE}")), 12),
         ("published", published("four-fold"), 12 * 56),
         ("published without symmetry", published("none"), 12 * 56),
     ] {
@@ -118,7 +123,7 @@ fn assert_square_is_that_of_the_model_of_first_order(name: &str, layout: &Layout
     let problem = DesignProblem::new(layout).unwrap_or_else(|e| panic!("{name}: {e}"));
     let residuals = problem.least_squares.residuals(&problem.pattern, &problem.pattern.start, false).unwrap();
     let film = RealFilm::new(&layout.bare_tiles(), layout.tolerance.as_ref().unwrap());
-    let film = film.with_head(layout.head().cloned());
+    let film = film.with_iron(layout.iron.clone()).with_head(layout.head().cloned());
     let volume = layout.volume.unwrap();
     let volume = EvaluationGrid { grid: volume.grid, reference: volume.reference_mm };
     let model = FirstOrder::new(&film, &volume, layout.ideal.as_ref().unwrap()).unwrap();

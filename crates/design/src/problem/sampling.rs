@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use glam::{DMat3, DVec3};
 use magsplice_field::{FaceDerivatives, PolarizationMap};
 use magsplice_layout::Symmetry;
-use magsplice_magnet::Grid;
+use magsplice_magnet::{Grid, Reflection};
 
 use crate::problem::pattern::Pattern;
 use crate::problem::reading::Reading;
@@ -28,6 +28,8 @@ pub(crate) struct Sampling {
     pub(crate) reading: Reading,
     /// The places of the sensors at the computed points, sensor fastest.
     places: Vec<DVec3>,
+    /// None for the film itself, then one for each of its images in flat iron.
+    pub(crate) reflections: Vec<Reflection>,
     /// The part of B that recoil adds at the places, in tesla; zero without recoil.
     pub(crate) recoil_t: Vec<DVec3>,
     operations: Vec<SymmetryOperation>,
@@ -53,7 +55,15 @@ struct PlaceFields {
 }
 
 impl Sampling {
-    pub(crate) fn new(grid: Grid, reference: DVec3, symmetry: Symmetry, reading: Reading) -> Sampling {
+    /// `images` are the reflections by flat iron, which the symmetry keeps.
+    pub(crate) fn new(
+        grid: Grid,
+        reference: DVec3,
+        symmetry: Symmetry,
+        reading: Reading,
+        images: &[Reflection],
+    ) -> Sampling {
+        let reflections = [&[Reflection::NONE], images].concat();
         let operations = SymmetryOperation::all(symmetry);
         // The reading at the image of a point is the image of the reading if the board is its own.
         let keeping: Vec<SymmetryOperation> =
@@ -82,7 +92,7 @@ impl Sampling {
         computed.push(reference);
         let places = reading.places(&computed);
         let recoil_t = vec![DVec3::ZERO; places.len()];
-        Sampling { grid, reference, computed, images, reading, places, recoil_t, operations, symmetry }
+        Sampling { grid, reference, computed, images, reading, places, reflections, recoil_t, operations, symmetry }
     }
 
     pub(crate) fn computed(&self) -> &[DVec3] {
@@ -175,7 +185,8 @@ impl Sampling {
         Some(SampledField { flux_density_t, derivatives, variable_count, at_places: Some(at_places) })
     }
 
-    /// The field of a film at the places of the sensors, with derivatives by variables.
+    /// The field of a film and its images at the places of the sensors, with derivatives by
+    /// variables.
     fn at_places(&self, pattern: &Pattern, variables: &[f64], variable_count: usize) -> Option<PlaceFields> {
         let with_derivatives = variable_count > 0;
         let mut flux_density_t = self.recoil_t.clone();
@@ -186,18 +197,20 @@ impl Sampling {
             let by_angles = variable_tile.polarization_derivatives(variables);
             // The field of an image at a point is the image of the tile's own field at the point
             // mapped back.
-            let mapped: Vec<DVec3> = variable_tile
-                .orbit
-                .images
-                .iter()
-                .flat_map(|(operation, _)| self.places.iter().map(|place| operation.inverse().apply(*place)))
-                .collect();
+            let images = variable_tile.orbit.images.iter();
+            let images: Vec<(SymmetryOperation, &Reflection)> =
+                images.flat_map(|(operation, _)| self.reflections.iter().map(|of| (*operation, of))).collect();
+            let mapped_back = |(operation, reflection): (SymmetryOperation, &Reflection)| -> Vec<DVec3> {
+                self.places.iter().map(|place| operation.inverse().apply(reflection.place(*place))).collect()
+            };
+            let mapped: Vec<DVec3> = images.iter().flat_map(|image| mapped_back(*image)).collect();
             let map = PolarizationMap::new(&[tile], &mapped).ok()?;
-            for (image, (operation, _)) in variable_tile.orbit.images.iter().enumerate() {
+            for (image, (operation, reflection)) in images.into_iter().enumerate() {
+                let seen = |b_t: DVec3| reflection.field(operation.apply(b_t));
                 for index in 0..self.places.len() {
                     let row = image * self.places.len() + index;
                     let by_j = matrix(&map, row);
-                    flux_density_t[index] += operation.apply(by_j * j);
+                    flux_density_t[index] += seen(by_j * j);
                     if !with_derivatives {
                         continue;
                     }
@@ -205,7 +218,7 @@ impl Sampling {
                     let angles = [&variable_tile.direction, &variable_tile.tilt, &variable_tile.strength];
                     for (number, by) in angles.into_iter().zip(by_angles) {
                         for &(variable, factor) in &number.terms {
-                            into[variable] += factor * operation.apply(by_j * by);
+                            into[variable] += factor * seen(by_j * by);
                         }
                     }
                     if variable_tile.faces.iter().flatten().all(|face| face.terms.is_empty()) {
@@ -215,7 +228,7 @@ impl Sampling {
                     for (axis, ends) in variable_tile.faces.iter().enumerate() {
                         for (face, by) in ends.iter().zip([&by_faces.lower, &by_faces.upper]) {
                             for &(variable, factor) in &face.terms {
-                                into[variable] += factor * operation.apply(by.col(axis));
+                                into[variable] += factor * seen(by.col(axis));
                             }
                         }
                     }
@@ -266,7 +279,7 @@ mod tests {
     fn sampling(lower: [f64; 3], upper: [f64; 3], counts: [usize; 3], reference: [f64; 3]) -> [Sampling; 3] {
         let grid = Grid::new(lower.into(), upper.into(), counts).unwrap();
         [Symmetry::None, Symmetry::Mirror, Symmetry::FourFold]
-            .map(|symmetry| Sampling::new(grid, reference.into(), symmetry, Reading::new(None)))
+            .map(|symmetry| Sampling::new(grid, reference.into(), symmetry, Reading::new(None), &[]))
     }
 
     /// Whether the operations of no symmetry, of the mirrors and of all four folds map grid and

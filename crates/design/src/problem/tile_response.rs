@@ -3,7 +3,7 @@
 
 use glam::{DMat3, DVec3};
 use magsplice_field::{FaceDerivatives, FaceHessian, PolarizationMap};
-use magsplice_magnet::{PerTileError, Tile, TileError};
+use magsplice_magnet::{PerTileError, Reflection, Tile, TileError};
 use magsplice_tolerance::direction_normal;
 
 use crate::problem::pattern::VariableTile;
@@ -32,21 +32,23 @@ pub(crate) struct TileResponse {
 }
 
 impl TileResponse {
-    /// Adds the response at the place of a sensor with this weight.
-    fn add(&mut self, weight: DVec3, at_sensor: &TileResponse) {
+    /// Adds the response at another place, of which `seen` is read.
+    fn add(&mut self, at_place: &TileResponse, seen: impl Fn(DVec3) -> DVec3) {
         for (error, change) in self.by_error.iter_mut() {
-            *change += weight * at_sensor.by_error[error];
+            *change += seen(at_place.by_error[error]);
         }
         for (error, derivatives) in self.derivatives.iter_mut() {
-            let own = derivatives.iter_mut().zip(&at_sensor.derivatives[error]);
-            own.for_each(|(sum, by)| *sum += weight * *by);
+            let own = derivatives.iter_mut().zip(&at_place.derivatives[error]);
+            own.for_each(|(sum, by)| *sum += seen(*by));
         }
     }
 }
 
 /// A tile prepared for its responses at many points.
-pub(crate) struct RespondingTile {
+pub(crate) struct RespondingTile<'a> {
     tile: Tile,
+    /// None for the tile itself, then one for each of its images in flat iron.
+    reflections: &'a [Reflection],
     /// The tile with a unit of polarization along each of its axes.
     unit_tiles: [Tile; 3],
     /// The axes of the tile, by columns.
@@ -65,15 +67,16 @@ pub(crate) struct RespondingTile {
     with_derivatives: bool,
 }
 
-impl RespondingTile {
+impl<'a> RespondingTile<'a> {
     /// Prepares a tile. Responses to errors that are not active are left at 0. `None` where a side
     /// of the tile is not positive.
     pub(crate) fn new(
         variable_tile: &VariableTile,
+        reflections: &'a [Reflection],
         variables: &[f64],
         active: PerTileError<bool>,
         with_derivatives: bool,
-    ) -> Option<RespondingTile> {
+    ) -> Option<RespondingTile<'a>> {
         let tile = variable_tile.tile(variables)?;
         let with_j = |j: DVec3| Tile::new(tile.position(), tile.size(), j).ok()?.rotated(tile.rotation()).ok();
         let by_angles = variable_tile.polarization_derivatives(variables);
@@ -81,6 +84,7 @@ impl RespondingTile {
         let (turned, turned_by_angles) = turned(&with_j(unit)?, unit, strength, &by_angles);
         Some(RespondingTile {
             tile,
+            reflections,
             unit_tiles: [with_j(DVec3::X)?, with_j(DVec3::Y)?, with_j(DVec3::Z)?],
             axes: DMat3::from_quat(tile.rotation()),
             j: tile.polarization_t(),
@@ -101,16 +105,28 @@ impl RespondingTile {
         let at_places = self.at(&reading.places(points))?;
         let of_point = |at_sensors: &[TileResponse]| {
             let mut sum = TileResponse::default();
-            reading.sensors().iter().zip(at_sensors).for_each(|(sensor, response)| sum.add(sensor.weight, response));
+            reading
+                .sensors()
+                .iter()
+                .zip(at_sensors)
+                .for_each(|(sensor, response)| sum.add(response, |b_t| sensor.weight * b_t));
             sum
         };
         Some(at_places.chunks_exact(reading.sensors().len()).map(of_point).collect())
     }
 
-    /// The responses at points. `None` where a point lies on an edge of the tile.
+    /// The responses of the tile and its images at points. `None` where a place lies on an edge of
+    /// the tile.
     fn at(&self, points: &[DVec3]) -> Option<Vec<TileResponse>> {
-        let map = PolarizationMap::new(&[self.tile], points).ok()?;
-        points.iter().enumerate().map(|(row, point)| self.response(*point, matrix(&map, row))).collect()
+        let mut sums = vec![TileResponse::default(); points.len()];
+        for reflection in self.reflections {
+            let places: Vec<DVec3> = points.iter().map(|point| reflection.place(*point)).collect();
+            let map = PolarizationMap::new(&[self.tile], &places).ok()?;
+            for (row, (sum, place)) in sums.iter_mut().zip(&places).enumerate() {
+                sum.add(&self.response(*place, matrix(&map, row))?, |b_t| reflection.field(b_t));
+            }
+        }
+        Some(sums)
     }
 
     /// The response at a point, where `by_j` is the field of units of polarization.

@@ -5,7 +5,7 @@ use magsplice_decouple::{Decoupling, Figures, PerParameter};
 use magsplice_field::Scene;
 use magsplice_head::SensorHead;
 use magsplice_ideal::{Comparison, IdealFilm};
-use magsplice_magnet::{Grid, Quantity, Tile};
+use magsplice_magnet::{Grid, IronPlanes, Quantity, Tile};
 
 use crate::error::DesignError;
 use crate::problem::objective::ideal_field_t;
@@ -28,18 +28,20 @@ pub struct Metrics {
 }
 
 impl Metrics {
-    /// Evaluates tiles over a grid, as a head or a single sensor reads them. Lengths in
+    /// Evaluates tiles before flat iron over a grid, as a head or a single sensor reads them. Lengths in
     /// millimetres. Parameters change from those at `reference`, which lies near the axis of the
     /// film.
     ///
     /// # Errors
     /// * [`DesignError::NotBelow`] if a point of the grid is not below the film;
+    /// * [`DesignError::InIron`] if a tile reaches into the iron;
     /// * [`DesignError::NoField`] if a point lies on an edge of a tile;
     /// * [`DesignError::Decoupling`] or [`DesignError::Singular`] if decoupling parameters do not
     ///   exist;
     /// * [`DesignError::Comparison`] if the field cannot be compared with the ideal one.
     pub fn from_tiles(
         tiles: &[Tile],
+        iron: &IronPlanes,
         head: Option<&SensorHead>,
         grid: &Grid,
         reference: DVec3,
@@ -47,7 +49,8 @@ impl Metrics {
     ) -> Result<Metrics, DesignError> {
         let points: Vec<DVec3> = grid.points().collect();
         let ideal_field = ideal_field_t(ideal, head, &points)?;
-        let (scene, reading) = (Scene::new(tiles), Reading::new(head));
+        let scene = Scene::new(tiles).with_planes(iron).map_err(DesignError::InIron)?;
+        let reading = Reading::new(head);
         let at_places = scene.field_at(Quantity::FluxDensity, &reading.places(&points));
         let at_places = at_places.map_err(|_| DesignError::NoField)?;
         let of_point = |values: &[DVec3]| reading.sum(values.iter().copied());

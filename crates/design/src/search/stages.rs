@@ -270,11 +270,25 @@ impl DesignProblem<'_> {
     }
 
     fn metrics(&self, tiles: &[Tile]) -> Result<Metrics, DesignError> {
-        Metrics::from_tiles(tiles, self.layout.head(), &self.volume.grid, self.volume.reference_mm, &self.ideal)
+        Metrics::from_tiles(
+            tiles,
+            &self.layout.iron,
+            self.layout.head(),
+            &self.volume.grid,
+            self.volume.reference_mm,
+            &self.ideal,
+        )
     }
 
     fn finer_metrics(&self, tiles: &[Tile]) -> Result<Metrics, DesignError> {
-        Metrics::from_tiles(tiles, self.layout.head(), &self.finer_grid(), self.volume.reference_mm, &self.ideal)
+        Metrics::from_tiles(
+            tiles,
+            &self.layout.iron,
+            self.layout.head(),
+            &self.finer_grid(),
+            self.volume.reference_mm,
+            &self.ideal,
+        )
     }
 
     /// Metrics of a film at the end of a stage.

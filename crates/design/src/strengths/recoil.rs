@@ -34,14 +34,20 @@ impl DesignProblem<'_> {
     /// # Errors
     /// If the polarization is not known.
     pub(crate) fn real_film(&self, tiles: &[Tile], tolerance: &FilmTolerance) -> Result<RealFilm, DesignError> {
-        let film = RealFilm::new(tiles, tolerance).with_head(self.layout.head().cloned());
+        let film = RealFilm::new(tiles, tolerance).with_iron(self.layout.iron.clone());
+        let film = film.with_head(self.layout.head().cloned());
         Ok(match self.magnetization(tiles)? {
             None => film,
             Some(solution) => {
-                let remainder = Scene::new(&solution.deviations());
+                let remainder = self.scene(&solution.deviations())?;
                 film.with_weakening(Weakening::new(tiles, &solution.mean_tiles(), remainder))
             }
         })
+    }
+
+    /// Tiles before the iron of the layout.
+    fn scene(&self, tiles: &[Tile]) -> Result<Scene, DesignError> {
+        Scene::new(tiles).with_planes(&self.layout.iron).map_err(DesignError::InIron)
     }
 
     /// The polarization of a film; `None` without recoil.
@@ -54,7 +60,9 @@ impl DesignProblem<'_> {
             .zip(self.layout.permeabilities())
             .map(|(tile, permeability)| RecoilTile { tile: *tile, permeability })
             .collect();
-        Magnetization::extrapolated(&tiles, RECOIL_LEVEL, |_| {}).map(Some).map_err(DesignError::Recoil)
+        Magnetization::extrapolated(&tiles, &self.layout.iron, RECOIL_LEVEL, |_| {})
+            .map(Some)
+            .map_err(DesignError::Recoil)
     }
 
     /// Holds the field that recoil adds to this film. Returns the largest change of what was
@@ -68,7 +76,7 @@ impl DesignProblem<'_> {
         }
         let places = self.least_squares.sampling.places().to_vec();
         let field_t = |tiles: &[Tile]| {
-            Scene::new(tiles).field_at(Quantity::FluxDensity, &places).map_err(|_| DesignError::NoField)
+            self.scene(tiles)?.field_at(Quantity::FluxDensity, &places).map_err(|_| DesignError::NoField)
         };
         let (rigid_t, with_t) = (field_t(tiles)?, field_t(&self.cells(tiles)?)?);
         let added_t: Vec<DVec3> = with_t.iter().zip(&rigid_t).map(|(with, rigid)| *with - *rigid).collect();

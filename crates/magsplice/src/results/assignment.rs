@@ -92,7 +92,6 @@ impl Film {
         settings: &AssignmentSettings,
         errors: Option<MeasurementErrors>,
     ) -> Result<FilmAssignment, FilmError> {
-        self.without_iron("tiles are assigned")?;
         let (layout, ideal) = (self.layout(), self.ideal()?);
         let bytes_per_point = BYTES_PER_POINT
             + BYTES_PER_TILE * layout.tiles.len() as f64
@@ -108,7 +107,8 @@ impl Film {
         };
         let failed = |error: AssignmentError| FilmError::Assignment { tile: name(&error), groups: groups(), error };
         let without_errors = |error| failed(AssignmentError::Film(error));
-        let film = self.weakened(RealFilm::new(&partly.film, &FilmTolerance::default()));
+        let film = RealFilm::new(&partly.film, &FilmTolerance::default()).with_iron(layout.iron.clone());
+        let film = self.weakened(film);
         let model = TileChanges::new(&film, &volume, ideal).map_err(without_errors)?;
         let ordered_rms_mm = model.exact_rms_mm(&layout.bare_tiles()).map_err(without_errors)?;
         let problem = AssignmentProblem::new(&model, &partly.film, &partly.groups, shims, settings).map_err(failed)?;

@@ -176,7 +176,6 @@ impl Film {
         if self.head().is_some() {
             return Err(FilmError::Head("a diagnosis needs the readings of one sensor"));
         }
-        self.without_iron("errors of tiles are found")?;
         let element = self.layout().sensor.as_ref().map(|sensor| sensor.as_one()).unwrap_or_default();
         let noise_t = self.scan_noise_t(noise)?;
         let unusable: Vec<Option<Exclusion>> =

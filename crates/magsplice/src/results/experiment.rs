@@ -56,9 +56,6 @@ impl Film {
         seed: Option<u64>,
         real: Option<&Scene>,
     ) -> Result<FilmExperiments, FilmError> {
-        if real.is_some() {
-            self.without_iron("deformed films are read")?;
-        }
         let volume = self.volume_for(LOCATOR_BYTES_PER_POINT)?;
         let (grid, reference) = (volume.grid, volume.reference_mm);
         let most = (grid.upper().max(reference) - grid.lower().min(reference)) / step_mm;
@@ -90,7 +87,8 @@ impl Film {
     }
 
     /// The field of the film after a deformation. Tiles with a recoil permeability keep the
-    /// polarization that they have in this film; in a bent film they have its mean.
+    /// polarization that they have in this film; in a bent film they have its mean. Iron moves with
+    /// the film.
     ///
     /// # Errors
     /// See [`DeformationError`].
@@ -101,7 +99,8 @@ impl Film {
             Some(recoil) => recoil.magnetization.cells().to_vec(),
             None => self.layout().bare_tiles(),
         };
-        Ok(Scene::new(&deformation.apply(&tiles)?))
+        let (iron, deformed) = (deformation.apply_to_iron(&self.layout().iron, &tiles)?, deformation.apply(&tiles)?);
+        Ok(Scene::new(&deformed).with_planes(&iron).expect("iron that moves with its tiles"))
     }
 }
 

@@ -162,26 +162,30 @@ impl Film {
         let cause = || format!("the layout has {} tiles, and each acts on all others", tiles.len());
         check_memory(BYTES_PER_PAIR * pairs * pairs, cause, |_| "take fewer tiles".to_owned())
             .map_err(FilmError::Memory)?;
-        let passes = match layout.has_recoil() {
-            true => 1 + RECOIL_LEVELS.len(),
-            false if images.tiles.is_empty() => 1,
-            false => 2,
-        };
+        let films = if layout.has_recoil() { 1 + RECOIL_LEVELS.len() } else { 1 };
+        let passes = if images.tiles.is_empty() { films } else { 2 * films };
         let counted = self.counting("forces", Some(passes * tiles.len()), "tiles");
         let failed = |error: FilmForcesError| FilmError::from_forces(error, layout);
         let rigid = FilmForces::new(&tiles, turned_error, &counted).map_err(failed)?;
+        let rigid = rigid.with_images(&tiles, &images.tiles, &images.owners, turned_error, &counted).map_err(failed)?;
         if !layout.has_recoil() {
-            let with_images = rigid.with_images(&tiles, &images.tiles, &images.owners, turned_error, &counted);
-            return Ok((with_images.map_err(failed)?, None));
+            return Ok((rigid, None));
         }
         let recoil_tiles = recoil_tiles(layout, None);
         let at_level = |level: usize| {
             let stage = Stage { name: "polarization, level", done: level, of: None, unit: "" };
-            let solved = Magnetization::solve(&recoil_tiles, level, |_| self.tell(stage))
+            let solved = Magnetization::solve(&recoil_tiles, &layout.iron, level, |_| self.tell(stage))
                 .map_err(|error| FilmError::from_recoil(RefinementError::Recoil(error), layout))?;
             let means = solved.mean_tiles();
-            let loads = FilmForces::of_cells(&means, solved.cells(), solved.owners(), turned_error, &counted);
-            Ok((loads.map_err(failed)?, solved.cells().len()))
+            let (both, owners) = ([&means[..], solved.cells()], solved.owners());
+            let loads = FilmForces::of_cells(both[0], both[1], owners, turned_error, &counted).map_err(failed)?;
+            if layout.iron.is_empty() {
+                return Ok((loads, both[1].len()));
+            }
+            let [of_means, of_cells] = both.map(|of| layout.iron.images(of).expect("cells of tiles before the iron"));
+            let images = [&of_means, &of_cells];
+            let loads = loads.with_images_of_cells(both, owners, images, turned_error, &counted).map_err(failed)?;
+            Ok((loads, both[1].len()))
         };
         let [(coarse, _), (loads, cells)] = [at_level(RECOIL_LEVELS[0])?, at_level(RECOIL_LEVELS[1])?];
         let apart = |other: &FilmForces| {
@@ -263,7 +267,7 @@ mod tests {
         let force = |permeability| {
             let layout = layout(permeability, "position_mm = [1.1, 0, 0]");
             let found = Film::rigid(layout.clone()).pair_forces(1e-9).unwrap();
-            let finer = Magnetization::solve(&recoil_tiles(&layout, None), 6, |_| {}).unwrap();
+            let finer = Magnetization::solve(&recoil_tiles(&layout, None), &layout.iron, 6, |_| {}).unwrap();
             let finer = FilmForces::of_cells(&finer.mean_tiles(), finer.cells(), finer.owners(), 1e-9, || {}).unwrap();
             (found.0.by_one(0, 1).force.x, finer.by_one(0, 1).force.x, found.1)
         };

@@ -4,7 +4,7 @@ use std::cell::OnceCell;
 
 use glam::DVec3;
 use magsplice_field::Scene;
-use magsplice_magnet::{Quantity, Tile};
+use magsplice_magnet::{IronPlanes, Quantity, Tile};
 use magsplice_scan::{
     FilmTurn, FreeParameters, ScanError, ScanFit, ScanParameters, film_turn, fit_determined, fit_scan, suspect_strength,
 };
@@ -32,6 +32,7 @@ const MOST_SUSPECTS: usize = 3;
 /// A scan of the field of a film. Readings that are not used are NaN.
 pub(super) struct PlacedScan<'a> {
     tiles: &'a [Tile],
+    iron: &'a IronPlanes,
     /// The film as ordered, but for tiles of another strength that the scan shows by themselves.
     film: Scene,
     points_mm: &'a [DVec3],
@@ -47,24 +48,29 @@ pub(super) struct PlacedScan<'a> {
     determined: OnceCell<Option<ScanFit>>,
 }
 
+/// Tiles as ordered but for their strength, before the iron of the layout.
+fn scene(tiles: &[Tile], iron: &IronPlanes) -> Scene {
+    Scene::new(tiles).with_planes(iron).expect("tiles before the iron, as the layout requires")
+}
+
 impl<'a> PlacedScan<'a> {
-    /// The scan of a film that has `tiles` as ordered.
+    /// The scan of a film that has these tiles as ordered, before iron.
     ///
     /// # Errors
     /// [`FilmError::Scan`] for positions or readings in another unit, and [`FilmError::Points`] for
     /// points without a field.
     pub(super) fn new(
-        tiles: &'a [Tile],
+        (tiles, iron): (&'a [Tile], &'a IronPlanes),
         points_mm: &'a [DVec3],
         field_t: &'a [DVec3],
         noise_t: DVec3,
         centre_mm: Option<DVec3>,
         expects_errors: bool,
     ) -> Result<PlacedScan<'a>, FilmError> {
-        let (film, noise_squared) = (Scene::new(tiles), noise_t.length_squared() / 3.0);
+        let (film, noise_squared) = (scene(tiles, iron), noise_t.length_squared() / 3.0);
         let determined = OnceCell::new();
         let ordered =
-            PlacedScan { tiles, film, points_mm, field_t, noise_squared, centre_mm, expects_errors, determined };
+            PlacedScan { tiles, iron, film, points_mm, field_t, noise_squared, centre_mm, expects_errors, determined };
         ordered.with_suspects()
     }
 
@@ -77,13 +83,15 @@ impl<'a> PlacedScan<'a> {
             if excess.is_none() {
                 break;
             }
-            let suspect = suspect_strength(&tiles, self.points_mm, self.field_t).map_err(FilmError::Points)?;
+            let suspect =
+                suspect_strength(&tiles, self.iron, self.points_mm, self.field_t).map_err(FilmError::Points)?;
             let Some((index, error)) = suspect else { break };
             let of = tiles[index];
             let changed = Tile::new(of.position(), of.size(), (1.0 + error) * of.polarization_t());
             let Ok(changed) = changed.and_then(|changed| changed.rotated(of.rotation())) else { break };
             tiles[index] = changed;
-            let before = (std::mem::replace(&mut self.film, Scene::new(&tiles)), std::mem::take(&mut self.determined));
+            let changed = scene(&tiles, self.iron);
+            let before = (std::mem::replace(&mut self.film, changed), std::mem::take(&mut self.determined));
             let left = self.excess()?;
             if left.unwrap_or(0.0) > EXPLAINED * excess.unwrap_or(f64::INFINITY) {
                 (self.film, self.determined) = before;

@@ -100,8 +100,8 @@ impl TileSearch<'_> {
         expected: FilmTolerance,
         most_errors: usize,
     ) -> Result<Diagnosis, FilmError> {
-        let settings =
-            DiagnosisSettings { expected, free, false_alarm: self.false_alarm, most_errors, ..Default::default() };
+        let (iron, false_alarm) = (self.film.layout().iron.clone(), self.false_alarm);
+        let settings = DiagnosisSettings { expected, iron, free, false_alarm, most_errors, ..Default::default() };
         let failed = |error: DiagnosisError| match error {
             DiagnosisError::Points(errors) => FilmError::Points(errors),
             error => FilmError::Diagnosis(error),
@@ -146,7 +146,14 @@ impl TileSearch<'_> {
     fn placed(&self) -> Result<PlacedScan<'_>, FilmError> {
         let expects_errors = *self.expected != FilmTolerance::default();
         let (centre_mm, noise_t) = (self.film.centre_mm(), self.noise_t);
-        PlacedScan::new(self.tiles, self.points_mm, self.field_t, noise_t, centre_mm, expects_errors)
+        PlacedScan::new(
+            (self.tiles, &self.film.layout().iron),
+            self.points_mm,
+            self.field_t,
+            noise_t,
+            centre_mm,
+            expects_errors,
+        )
     }
 
     /// Whether noise, errors that tiles can have, and a strength of this film explain a scan.

@@ -293,7 +293,7 @@ fn moments(tree: &Octree, cells: &[Tile]) -> Vec<[Coefficients; 3]> {
 
 #[cfg(test)]
 mod tests {
-    use magsplice_magnet::{Permeability, Tile};
+    use magsplice_magnet::{IronPlanes, Permeability, Tile};
 
     use super::*;
     use crate::material::RecoilTile;
@@ -306,7 +306,7 @@ mod tests {
             tile: Tile::new(DVec3::X * x, DVec3::new(3.0, 2.0, 1.0), DVec3::Z).unwrap(),
             permeability: Permeability::isotropic(1.2).unwrap(),
         };
-        let division = Division::new(&[tile(0.0), tile(9.0)], 7).unwrap();
+        let division = Division::new(&[tile(0.0), tile(9.0)], &IronPlanes::default(), 7).unwrap();
         let kept = CellSum::new(&division, &vec![1.0; division.cells.len()], |_| {}).unwrap();
         let Interactions { far, near } = Interactions::new(&kept.tree);
         let [moments, translations] = [size_of_val(&kept.moments[..]), kept.matrices.len()];

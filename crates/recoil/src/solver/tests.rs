@@ -2,7 +2,7 @@
 
 use glam::DQuat;
 use magsplice_field::Scene;
-use magsplice_magnet::{Permeability, Quantity, Tile};
+use magsplice_magnet::{IronPlane, Permeability, Quantity, Tile};
 
 use super::*;
 use crate::symmetry::Orbits;
@@ -14,7 +14,7 @@ fn magnet(size: [f64; 3], position: [f64; 3], polarization_t: [f64; 3], mu_r: f6
 }
 
 fn solve(tiles: &[RecoilTile], level: usize) -> Magnetization {
-    Magnetization::solve(tiles, level, |_| {}).unwrap()
+    Magnetization::solve(tiles, &IronPlanes::default(), level, |_| {}).unwrap()
 }
 
 /// The tree against the tensors of all pairs: the change of B outside by a permeability agrees to a
@@ -39,7 +39,7 @@ fn tree_agrees_with_all_tensors() {
         let fields_t = |cells: &[Tile]| {
             Scene::new(cells).field_at(Quantity::FluxDensity, &points.map(|point| to_scene * point)).unwrap()
         };
-        let division = Division::new(&tiles, level).unwrap();
+        let division = Division::new(&tiles, &IronPlanes::default(), level).unwrap();
         let [tree, all] = [
             PairSums::by_tree(&division, |_| {}),
             PairSums::by_tensors(&division, Orbits::trivial(division.cells.len()), |_| {}),
@@ -60,7 +60,7 @@ fn tree_is_symmetric() {
         magnet([3.0, 2.0, 1.0], [0.0; 3], [0.1, 0.3, 1.0], 1.2),
         magnet([1.0; 3], [9.0, 1.0, 0.0], [1.0, 0.0, 0.0], 1.2),
     ];
-    let division = Division::new(&tiles, 7).unwrap();
+    let division = Division::new(&tiles, &IronPlanes::default(), 7).unwrap();
     let sums = PairSums::by_tree(&division, |_| {}).unwrap();
     let vector = |phase: f64| -> Vec<DVec3> {
         (0..division.cells.len()).map(|i| (phase * DVec3::new(1.3, 2.1, 0.7) * i as f64).map(f64::sin)).collect()
@@ -94,8 +94,8 @@ fn mirror_planes_change_nothing() {
     ];
     for (tiles, images) in [(across.to_vec(), 4), (beside, 2), (easy, 4), (lone, 1), (unlike, 4)] {
         for level in [2, 3] {
-            let division = Division::new(&tiles, level).unwrap();
-            let orbits = Orbits::new(&tiles, &division, level);
+            let division = Division::new(&tiles, &IronPlanes::default(), level).unwrap();
+            let orbits = Orbits::new(&tiles, &division, &IronPlanes::default(), level);
             assert_eq!(orbits.images.len(), images, "{tiles:?}");
             let all = PairSums::by_tensors(&division, Orbits::trivial(division.cells.len()), |_| {}).unwrap();
             let all = Magnetization::from_sums(&tiles, division.clone(), &all, |_| {}).unwrap();
@@ -130,4 +130,37 @@ fn conjugate_gradients_take_one_product_for_each_eigenvalue() {
         // The residual is 1e-10 of the right side, whose norm is 53, and the least eigenvalue is 1.
         assert!((*x - *right / EIGENVALUES[n % 4]).length() < 1e-8, "{n}: {x}");
     }
+}
+
+/// Between two planes of iron the tree, and mirrors across the other axes, agree with the tensors
+/// of all pairs.
+#[test]
+fn tree_and_mirrors_agree_with_all_tensors_between_iron() {
+    let tiles = [
+        magnet([1.0, 2.0, 1.0], [0.0; 3], [0.5, 0.0, 0.0], 1.2),
+        magnet([2.0, 1.0, 1.0], [1.5, 0.0, 0.0], [0.3, 0.0, 0.0], 1.1),
+        magnet([2.0, 1.0, 1.0], [-1.5, 0.0, 0.0], [0.3, 0.0, 0.0], 1.1),
+    ];
+    let plane = |z: f64, up: f64| IronPlane::new(DVec3::new(0.0, 0.0, z), DVec3::new(0.0, 0.0, up), 10.0).unwrap();
+    let iron = IronPlanes::new(vec![plane(-0.5, 1.0), plane(3.0, -1.0)]).unwrap();
+    let division = Division::new(&tiles, &iron, 3).unwrap();
+    let orbits = Orbits::new(&tiles, &division, &iron, 3);
+    let without = Orbits::new(&tiles, &division, &IronPlanes::default(), 3);
+    assert_eq!((without.images.len(), orbits.images.len()), (8, 4));
+    let trivial = Orbits::trivial(division.cells.len());
+    let [all, mirrored, tree] = [
+        PairSums::by_tensors(&division, trivial, |_| {}),
+        PairSums::by_tensors(&division, orbits, |_| {}),
+        PairSums::by_tree(&division, |_| {}),
+    ]
+    .map(|sums| Magnetization::from_sums(&tiles, division.clone(), &sums.unwrap(), |_| {}).unwrap());
+    let alone = solve(&tiles, 3);
+    let largest = |one: &Magnetization, other: &Magnetization| {
+        let pairs = one.cells().iter().zip(other.cells());
+        pairs.map(|(a, b)| (a.polarization_t() - b.polarization_t()).length()).fold(0.0, f64::max)
+    };
+    let change = largest(&all, &alone);
+    assert!(change > 1e-3, "{change:e}");
+    assert!(largest(&all, &mirrored) < 1e-11, "{:e}", largest(&all, &mirrored));
+    assert!(largest(&all, &tree) < 1e2 * TREE_ERROR * change, "{:e} {change:e}", largest(&all, &tree));
 }

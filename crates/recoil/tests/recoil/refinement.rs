@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use magsplice_field::Scene;
-use magsplice_magnet::{Permeability, Quantity, Tile};
+use magsplice_magnet::{IronPlanes, Permeability, Quantity, Tile};
 use magsplice_recoil::tolerances::MAX_CELLS;
 use magsplice_recoil::{
     Group, RecoilTile, Refined, RefinementError, RefinementSettings, extrapolated_at, refine, refine_within,
@@ -39,12 +39,13 @@ fn refine_to(
     points: &[DVec3],
     (tolerance, most_cells): (f64, usize),
 ) -> Result<Refined, RefinementError> {
-    let settings = RefinementSettings { tolerances: vec![tolerance; 3 * points.len()], most_cells };
+    let settings =
+        RefinementSettings { tolerances: vec![tolerance; 3 * points.len()], most_cells, iron: IronPlanes::default() };
     refine(tiles, &settings, |cells| flux_densities(cells, points), |_| {})
 }
 
 fn at_level(tiles: &[RecoilTile], level: usize, groups: &[Group], quantity: impl Fn(&[Tile]) -> Vec<f64>) -> Refined {
-    extrapolated_at(tiles, level, groups, quantity, |_| {}).unwrap()
+    extrapolated_at(tiles, &IronPlanes::default(), level, groups, quantity, |_| {}).unwrap()
 }
 
 /// A tile with permeabilities along the easy axis and across it.
@@ -210,7 +211,15 @@ fn tolerance_out_of_reach_is_refused_early() {
     let points: Vec<DVec3> = (-4..=4).map(|x| DVec3::new(0.25 * f64::from(x), 0.1, -0.1)).collect();
     let groups = [Group { vectors: points.len(), components: 3 }];
     let tolerances = |_: &[f64], values: &[f64]| vec![2e-4; values.len()];
-    let refined = refine_within(&tiles, MAX_CELLS, &groups, tolerances, |cells| flux_densities(cells, &points), |_| {});
+    let refined = refine_within(
+        &tiles,
+        &IronPlanes::default(),
+        MAX_CELLS,
+        &groups,
+        tolerances,
+        |cells| flux_densities(cells, &points),
+        |_| {},
+    );
     let Err(RefinementError::NotConverged { best: Some(best), needed_cells, .. }) = refined else {
         panic!("{:?}", refined.map(|refined| refined.level));
     };
@@ -220,7 +229,7 @@ fn tolerance_out_of_reach_is_refused_early() {
 #[test]
 fn refinement_of_no_numbers_ends_at_the_first_error() {
     let (tiles, _) = &cases()[0];
-    let settings = RefinementSettings { tolerances: vec![1.0], most_cells: MAX_CELLS };
+    let settings = RefinementSettings { tolerances: vec![1.0], most_cells: MAX_CELLS, iron: IronPlanes::default() };
     let unknown = refine(tiles, &settings, |_| vec![f64::NAN], |_| {});
     assert!(
         matches!(&unknown, Err(RefinementError::NotConverged { best: Some(best), .. }) if best.level == LEAST_LEVEL),
@@ -243,7 +252,11 @@ fn rigid_tiles_need_one_level() {
 #[test]
 fn refinement_ends_when_the_values_with_tolerances_are_known() {
     let (tiles, points) = &cases()[0];
-    let mut settings = RefinementSettings { tolerances: vec![f64::INFINITY; 3 * points.len()], most_cells: 4_000 };
+    let mut settings = RefinementSettings {
+        tolerances: vec![f64::INFINITY; 3 * points.len()],
+        most_cells: 4_000,
+        iron: IronPlanes::default(),
+    };
     let quantity = |cells: &[Tile]| flux_densities(cells, points);
     assert_eq!(refine(tiles, &settings, quantity, |_| {}).unwrap().level, LEAST_LEVEL);
     settings.tolerances[2] = 1e-5;

@@ -5,13 +5,13 @@ use std::path::Path;
 use glam::{DQuat, DVec3};
 use magsplice_field::Scene;
 use magsplice_layout::Layout;
-use magsplice_magnet::{Permeability, Quantity, Tile};
+use magsplice_magnet::{IronPlanes, Permeability, Quantity, Tile};
 use magsplice_recoil::{Magnetization, RecoilError, RecoilTile, cell_count};
 
 use crate::magnet;
 
 fn solve(tiles: &[RecoilTile], level: usize) -> Magnetization {
-    Magnetization::solve(tiles, level, |_| {}).unwrap()
+    Magnetization::solve(tiles, &IronPlanes::default(), level, |_| {}).unwrap()
 }
 
 /// Two boxes of one cell each. The six equations were solved with mpmath 1.3.0 in 80 digits, their
@@ -160,7 +160,8 @@ fn number_of_threads_does_not_matter() {
 #[test]
 fn bad_input_is_refused() {
     let cube = magnet([1.0; 3], [0.0; 3], [0.0, 0.0, 1.0], 1.1);
-    let solve = |tiles: &[RecoilTile], level| Magnetization::solve(tiles, level, |_| {}).unwrap_err();
+    let solve =
+        |tiles: &[RecoilTile], level| Magnetization::solve(tiles, &IronPlanes::default(), level, |_| {}).unwrap_err();
     assert_eq!(solve(&[cube], 0), RecoilError::NoLevel);
     let beside = magnet([1.0; 3], [0.5, 0.0, 0.0], [0.0, 0.0, 1.0], 1.1);
     assert_eq!(solve(&[cube, beside], 1), RecoilError::Overlap { first: 0, second: 1 });
@@ -169,7 +170,7 @@ fn bad_input_is_refused() {
     for mu_r in [0.99, -1.0, f64::NAN, f64::INFINITY, 1e5] {
         assert!(Permeability::isotropic(mu_r).is_err(), "{mu_r}");
     }
-    assert!(Magnetization::solve(&[], 1, |_| {}).unwrap().cells().is_empty());
+    assert!(Magnetization::solve(&[], &IronPlanes::default(), 1, |_| {}).unwrap().cells().is_empty());
 }
 
 /// A stack of two tiles, the upper turned about the axis of the stack by a small angle and by none:
@@ -255,7 +256,7 @@ fn reference_fields(count: usize) -> Vec<(String, DVec3, DVec3)> {
 #[test]
 fn tree_refuses_what_it_cannot_solve() {
     let soft = [magnet([1.0; 3], [0.0; 3], [0.0, 0.0, 1.0], 200.0)];
-    let error = Magnetization::solve(&soft, 15, |_| {}).unwrap_err();
+    let error = Magnetization::solve(&soft, &IronPlanes::default(), 15, |_| {}).unwrap_err();
     assert_eq!(error, RecoilError::TooPermeable { permeability: 200.0, cells: 3375 });
     assert!(error.to_string().contains("lower it"), "{error}");
 }
@@ -269,7 +270,7 @@ fn progress_counts_cells() {
         let add = |cells| {
             count.fetch_add(cells, std::sync::atomic::Ordering::Relaxed);
         };
-        let cells = Magnetization::solve(&cube, level, add).unwrap().cells().len();
+        let cells = Magnetization::solve(&cube, &IronPlanes::default(), level, add).unwrap().cells().len();
         assert_eq!(count.into_inner(), cells, "level {level}");
     }
 }

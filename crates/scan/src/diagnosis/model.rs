@@ -2,7 +2,6 @@
 //! by the noise.
 
 use glam::DVec3;
-use magsplice_field::Scene;
 use magsplice_magnet::{DirectionError, PerTileError, Quantity, Tile, TileError};
 use magsplice_tolerance::{RealFilm, TileResponse};
 use nalgebra::{DMatrix, DVector};
@@ -69,7 +68,7 @@ impl ScanModel {
     pub(crate) fn checked(self) -> Result<ScanModel, DiagnosisError> {
         let (unknowns, tiles) = (self.unknowns.list.len(), self.film.tiles().len());
         let number = size_of::<f64>();
-        let of_point = 3 * number * unknowns + RESPONSE_BYTES * tiles;
+        let of_point = 3 * number * unknowns + RESPONSE_BYTES * tiles * (1 + self.film.reflections().len());
         let of_pairs = unknowns.checked_mul(unknowns).and_then(|pairs| pairs.checked_mul(number));
         let bytes = of_point.checked_mul(self.points.len()).and_then(|bytes| bytes.checked_add(of_pairs?));
         if bytes.is_none_or(|bytes| bytes > LARGEST_BYTES) {
@@ -98,7 +97,7 @@ impl ScanModel {
         is_used: &[bool],
         readings_t: &[DVec3],
     ) -> Result<f64, DiagnosisError> {
-        let scene = Scene::new(&self.tiles(state)?);
+        let scene = self.film.scene(&self.tiles(state)?).map_err(DiagnosisError::Tile)?;
         let field_t = scene.field_at(Quantity::FluxDensity, &self.places(state)).map_err(DiagnosisError::Points)?;
         let scan = state.scan_parameters();
         let used = readings_t.iter().zip(field_t).zip(is_used).filter(|(_, is_used)| **is_used);
@@ -115,7 +114,8 @@ impl ScanModel {
         before: Option<&Linearized>,
     ) -> Result<Linearized, DiagnosisError> {
         let (tiles, places) = (self.tiles(&state)?, self.places(&state));
-        let scene = Scene::new(&tiles);
+        let scene_of = |tiles: &[Tile]| self.film.scene(tiles).map_err(DiagnosisError::Tile);
+        let scene = scene_of(&tiles)?;
         let field_t = scene.field_at(Quantity::FluxDensity, &places).map_err(DiagnosisError::Points)?;
         let scan = state.scan_parameters();
         let slopes = slopes_at.as_ref().unwrap_or(&state);
@@ -127,14 +127,14 @@ impl ScanModel {
         let is_new = |tile: usize| before.is_none_or(|before| before.slopes().tiles[tile] != slopes.tiles[tile]);
         let other = slopes_at.as_ref().map(|other| self.tiles(other)).transpose()?;
         let (sloped, sloped_scene) = match &other {
-            Some(other) => (other, &Scene::new(other)),
+            Some(other) => (other, &scene_of(other)?),
             None => (&tiles, &scene),
         };
         let has_groups = self.unknowns.list.iter().any(|unknown| matches!(unknown, Unknown::Group { .. }));
         let responses: Vec<Option<TileResponse>> = (0..tiles.len())
             .into_par_iter()
             .map(|tile| match has_groups || is_new(tile) {
-                true => TileResponse::new(tile, &sloped[tile], &places).map(Some),
+                true => TileResponse::in_film(&self.film, tile, &sloped[tile], &places).map(Some),
                 false => Ok(None),
             })
             .collect::<Result<_, _>>()?;
@@ -314,19 +314,28 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use magsplice_layout::{FilmTolerance, Preset};
+    use magsplice_magnet::{IronPlane, IronPlanes};
 
     use super::*;
     use crate::parameters::{FreeParameters, ScanParameters};
 
     /// Columns agree with central differences of the readings, for a reversed tile too. Steps of
-    /// 1e-5 leave differences of 1e-10 by the third derivative and 1e-11 by round-off.
+    /// 1e-5 leave differences of 1e-10 by the third derivative and 1e-11 by round-off. The film is
+    /// alone, or before an oblique plane of iron.
     #[test]
     fn columns_are_derivatives_of_readings() {
+        let plane = IronPlane::new(2.0 * DVec3::Z, DVec3::new(0.2, 0.1, -1.0), 5.0).unwrap();
+        for iron in [IronPlanes::default(), IronPlanes::new(vec![plane]).unwrap()] {
+            check_columns(iron);
+        }
+    }
+
+    fn check_columns(iron: IronPlanes) {
         let tile = |x: f64, j_t: DVec3| Tile::new(DVec3::new(x, 0.0, 0.5), DVec3::new(2.0, 1.5, 1.0), j_t).unwrap();
         let tiles = [tile(-1.5, DVec3::new(0.1, 0.02, 0.05)), tile(1.0, DVec3::new(-0.03, 0.1, 0.0))];
         let expected = FilmTolerance::of_tiles(&Preset::Jig.errors(), tiles.len());
         let unknowns = Unknowns::new(tiles.len(), &expected, FreeParameters::ALL);
-        let film = RealFilm::new(&tiles, &expected);
+        let film = RealFilm::new(&tiles, &expected).with_iron(iron);
         let points: Vec<DVec3> =
             (0..12).map(|n| DVec3::new(f64::from(n % 4) - 2.0, f64::from(n / 4) - 1.0, -1.0)).collect();
         let model = ScanModel { film, points, noise_t: DVec3::ONE, unknowns };

@@ -60,7 +60,7 @@ impl ScanDiagnosis {
             return Err(DiagnosisError::FalseAlarm(settings.false_alarm));
         }
         let unknowns = Unknowns::new(tiles.len(), &settings.expected, settings.free);
-        let film = RealFilm::new(tiles, &settings.expected);
+        let film = RealFilm::new(tiles, &settings.expected).with_iron(settings.iron.clone());
         let model = ScanModel { film, points: scan.points_mm, noise_t: scan.noise_t, unknowns }.checked()?;
         let state = State::nominal(tiles.len(), settings.expected.groups.len(), &start);
         let nominal = model.linearized(state, None, &vec![true; model.points.len()], None)?;

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use magsplice_layout::{FilmTolerance, Preset, TileErrors};
+use magsplice_magnet::IronPlanes;
 
 use crate::parameters::FreeParameters;
 
@@ -32,6 +33,8 @@ pub struct DiagnosisSettings {
     /// The prior errors whose deviations are compared with the deviations after the scan, without
     /// expected errors.
     pub prior: TileErrors,
+    /// The flat iron that moves with the film. Default: none.
+    pub iron: IronPlanes,
     /// Unknown parameters of the scan.
     pub free: FreeParameters,
     /// Probability that any tile of a film without errors beyond the expected errors is reported.
@@ -46,6 +49,7 @@ impl Default for DiagnosisSettings {
         DiagnosisSettings {
             expected: FilmTolerance::default(),
             prior: Preset::ByHand.errors(),
+            iron: IronPlanes::default(),
             free: FreeParameters::NONE,
             false_alarm: FALSE_ALARM,
             most_errors: MOST_ERRORS,

@@ -2,7 +2,7 @@
 
 use glam::{DQuat, DVec3};
 use magsplice_field::Scene;
-use magsplice_magnet::{Quantity, Tile};
+use magsplice_magnet::{IronPlanes, Quantity, Tile};
 use magsplice_scan::suspect_strength;
 
 use crate::diagnosis::{film, points};
@@ -21,12 +21,15 @@ fn strength_of_one_tile_is_found_exactly() {
     let points = points();
     for (tile, error) in [(0, -2.0), (7, -1.0), (24, -0.3), (55, 1.5)] {
         let field_t = Scene::new(&with_strength(tile, 1.0 + error)).field_at(Quantity::FluxDensity, &points).unwrap();
-        let (found, of) = suspect_strength(&film(), &points, &field_t).unwrap().unwrap();
+        let (found, of) = suspect_strength(&film(), &IronPlanes::default(), &points, &field_t).unwrap().unwrap();
         assert_eq!(found, tile);
         assert!((of - error).abs() < 1e-9, "{tile}: {of}, {error}");
     }
     let impossible = Scene::new(&with_strength(3, 5.0)).field_at(Quantity::FluxDensity, &points).unwrap();
-    assert_ne!(suspect_strength(&film(), &points, &impossible).unwrap().map(|(tile, _)| tile), Some(3));
+    assert_ne!(
+        suspect_strength(&film(), &IronPlanes::default(), &points, &impossible).unwrap().map(|(tile, _)| tile),
+        Some(3)
+    );
 }
 
 /// A sensor 0.1 mm away and 2 degrees turned, with an offset and a reading that is missing: without
@@ -40,7 +43,7 @@ fn placement_of_the_sensor_hides_no_reversed_tile() {
         let field_t = Scene::new(&with_strength(tile, -1.0)).field_at(Quantity::FluxDensity, &places).unwrap();
         let mut read_t: Vec<DVec3> = field_t.iter().map(|b| turn * *b + DVec3::new(3e-4, 0.0, -2e-4)).collect();
         read_t[11].y = f64::NAN;
-        let (found, error) = suspect_strength(&film(), &points, &read_t).unwrap().unwrap();
+        let (found, error) = suspect_strength(&film(), &IronPlanes::default(), &points, &read_t).unwrap().unwrap();
         assert_eq!(found, tile);
         assert!((error + 2.0).abs() < 0.3, "{tile}: {error}");
     }

@@ -2,27 +2,28 @@
 
 use glam::{DMat3, DVec3};
 use magsplice_field::{FaceDerivatives, PolarizationMap, PolarizationMapError};
-use magsplice_magnet::{Tile, TileError};
+use magsplice_magnet::{Reflection, Tile, TileError};
 use rayon::prelude::*;
 
 use crate::evaluation_grid::SampleError;
-use crate::real_film::direction_axes;
+use crate::real_film::{RealFilm, direction_axes};
 
 /// Points below which a task is not divided: a point takes about a microsecond.
 const POINTS_PER_TASK: usize = 64;
 
 /// How the field of one tile changes at each of several points, in the frame of the scene: the
-/// exact derivatives of B by every error of the tile.
+/// exact derivatives of B by every error of the tile, which its images in flat iron follow.
 ///
 /// # Units
 /// Lengths in millimetres, flux densities in tesla, angles in radians; strengths are fractions.
 #[derive(Clone, Debug)]
 pub struct TileResponse {
     tile: Tile,
-    at_points: Vec<AtPoint>,
+    /// The changes at the place of each point by each reflection; the first are at the points.
+    at_places: Vec<(Reflection, Vec<AtPoint>)>,
 }
 
-/// The changes at one point.
+/// The changes at one place.
 #[derive(Clone, Copy, Debug)]
 struct AtPoint {
     point: DVec3,
@@ -42,6 +43,35 @@ impl TileResponse {
     /// # Errors
     /// If the field or its derivatives do not exist at a point, such as one on an edge of the tile.
     pub fn new(number: usize, tile: &Tile, points: &[DVec3]) -> Result<TileResponse, SampleError> {
+        TileResponse::with_images(number, tile, points, &[])
+    }
+
+    /// The response of a tile at the place of tile number `number` of a film, with its images in the
+    /// iron that moves with the film.
+    ///
+    /// # Errors
+    /// As [`TileResponse::new`].
+    pub fn in_film(film: &RealFilm, number: usize, tile: &Tile, points: &[DVec3]) -> Result<TileResponse, SampleError> {
+        TileResponse::with_images(number, tile, points, &film.reflections())
+    }
+
+    /// The response of tile number `number` with its images by reflections.
+    fn with_images(
+        number: usize,
+        tile: &Tile,
+        points: &[DVec3],
+        reflections: &[Reflection],
+    ) -> Result<TileResponse, SampleError> {
+        let of = |reflection: &Reflection| {
+            let places: Vec<DVec3> = points.iter().map(|point| reflection.place(*point)).collect();
+            Ok((*reflection, TileResponse::at_places(number, tile, &places)?))
+        };
+        let at_places = std::iter::once(&Reflection::NONE).chain(reflections).map(of).collect::<Result<_, _>>()?;
+        Ok(TileResponse { tile: *tile, at_places })
+    }
+
+    /// The changes of the field of the tile alone.
+    fn at_places(number: usize, tile: &Tile, points: &[DVec3]) -> Result<Vec<AtPoint>, SampleError> {
         let map = PolarizationMap::new(&[*tile], points).map_err(|error| match error {
             PolarizationMapError::Points { errors, .. } => SampleError::Field(errors),
             PolarizationMapError::TooLarge { bytes } => SampleError::TooLarge { bytes },
@@ -63,12 +93,19 @@ impl TileResponse {
             })
         };
         let at_points = points.par_iter().enumerate().with_min_len(POINTS_PER_TASK).map(at_point);
-        Ok(TileResponse { tile: *tile, at_points: at_points.collect::<Result<_, _>>()? })
+        at_points.collect()
+    }
+
+    /// Adds a change at each point, from that of the field of the tile alone at each place.
+    fn add(&self, change_at: impl Fn(&AtPoint) -> DVec3, sum: &mut [DVec3]) {
+        for (reflection, at_points) in &self.at_places {
+            sum.iter_mut().zip(at_points).for_each(|(sum, at)| *sum += reflection.field(change_at(at)));
+        }
     }
 
     /// Adds the change of B at each point by a change of J in the frame of the tile.
     pub(crate) fn add_polarization_change(&self, change_t: DVec3, sum: &mut [DVec3]) {
-        sum.iter_mut().zip(&self.at_points).for_each(|(sum, at)| *sum += at.by_polarization * change_t);
+        self.add(|at| at.by_polarization * change_t, sum);
     }
 
     /// Adds the derivative of B at each point by one error of the tile. Turns are about a point.
@@ -81,17 +118,16 @@ impl TileResponse {
             }
             _ => DVec3::ZERO,
         };
-        for (sum, at) in sum.iter_mut().zip(&self.at_points) {
-            *sum += match error {
-                TileError::Position(axis) => at.by_position.col(axis.index()),
-                TileError::Rotation(axis) => {
-                    let turn = axis.unit();
-                    turn.cross(at.field_t) + at.by_position * turn.cross(at.point - about)
-                }
-                TileError::Size(axis) => at.by_size.col(axis.index()),
-                TileError::Strength => at.field_t,
-                TileError::Direction(_) => at.by_polarization * turned_t,
-            };
-        }
+        let derivative = |at: &AtPoint| match error {
+            TileError::Position(axis) => at.by_position.col(axis.index()),
+            TileError::Rotation(axis) => {
+                let turn = axis.unit();
+                turn.cross(at.field_t) + at.by_position * turn.cross(at.point - about)
+            }
+            TileError::Size(axis) => at.by_size.col(axis.index()),
+            TileError::Strength => at.field_t,
+            TileError::Direction(_) => at.by_polarization * turned_t,
+        };
+        self.add(derivative, sum);
     }
 }
