@@ -156,8 +156,8 @@ impl FilmForces {
         Ok(self)
     }
 
-    /// [`FilmForces::with_images`] for tiles divided into cells, as in [`FilmForces::of_cells`], with
-    /// the images of both by the same reflections.
+    /// [`FilmForces::with_images`] for tiles divided into cells, as in [`FilmForces::of_cells`],
+    /// with the images of both by the same reflections.
     ///
     /// # Errors
     /// The errors of [`FilmForces::new`].

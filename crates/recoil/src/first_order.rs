@@ -13,8 +13,8 @@ use crate::tolerances::MOST_CELLS_OF_TENSORS;
 
 impl Magnetization {
     /// The polarization J = J_r + chi mu0 H in the field H of the polarizations J_r, with each tile
-    /// divided into cells at a level. `iron` is around them. It is an estimate without the solution of equations. 56 tiles
-    /// of one cell each take milliseconds.
+    /// divided into cells at a level. `iron` is around them. It is an estimate without the solution
+    /// of equations. 56 tiles of one cell each take milliseconds.
     ///
     /// # Accuracy
     /// The neglected terms are at most chi times the change, in the root mean square over the

@@ -10,9 +10,9 @@ use crate::symmetry::Orbits;
 /// The tensors T_ij of all pairs of representatives of orbits; T_ji is the transpose of T_ij.
 ///
 /// T_ij is the sum over all products g of mirrors of sqrt(V_i / V_j) N_ig(j) D_g, over sqrt(s_i
-/// s_j), where N_ij has the images of j in planes of iron too, and s is the number of mirrors that keep a cell in its place. D_g holds the signs of
-/// components of polarizations. Vectors are vectors of cells times sqrt(o), with the orbit's size
-/// o.
+/// s_j), where N_ij has the images of j in planes of iron too, and s is the number of mirrors that
+/// keep a cell in its place. D_g holds the signs of components of polarizations. Vectors are
+/// vectors of cells times sqrt(o), with the orbit's size o.
 pub(crate) struct PairTensors {
     /// Row i holds the representatives up to i.
     rows: Vec<Vec<DMat3>>,

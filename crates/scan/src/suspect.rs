@@ -9,10 +9,11 @@ use crate::diagnosis::STRENGTH_ERRORS;
 use crate::parameters::FreeParameters;
 use crate::scan_columns::{ScanColumns, column};
 
-/// The tile before flat `iron` that with another strength explains most of the difference between `field_t` and the
-/// field of `tiles` at `places`, and the error of its strength: -2 for a reversed tile. Strength,
-/// offset, rotation and start of the scan explain what they can to first order. Values that are not
-/// finite are not used. `None` if no tile explains a difference with a strength that tiles have.
+/// The tile before flat `iron` that with another strength explains most of the difference between
+/// `field_t` and the field of `tiles` at `places`, and the error of its strength: -2 for a reversed
+/// tile. Strength, offset, rotation and start of the scan explain what they can to first order.
+/// Values that are not finite are not used. `None` if no tile explains a difference with a strength
+/// that tiles have.
 ///
 /// # Errors
 /// For places without a field.

@@ -155,6 +155,8 @@ fn lengths_in_metres_are_remarked_on() {
         "{found:?}"
     );
     remarked(&small.replace(IDEAL, ""), "field", "are the tiles in m, not mm?");
+    let (_, alone) = findings(&small.replace(IDEAL, "").replace(VOLUME, ""));
+    assert_eq!(alone, ["the film measures 0.0083 mm along x, less than 0.1 mm: are the tiles in m, not mm?"]);
     let volume = "[volume]\nx_mm = [-0.002, 0.002]\ny_mm = [-0.002, 0.002]\nz_mm = [-0.005, -0.003]\nstep_mm = 0.001\n";
     remarked(&film.replace(VOLUME, volume), "decouple", "is the volume in m, not mm?");
     remarked(

@@ -28,9 +28,9 @@ pub struct Metrics {
 }
 
 impl Metrics {
-    /// Evaluates tiles before flat iron over a grid, as a head or a single sensor reads them. Lengths in
-    /// millimetres. Parameters change from those at `reference`, which lies near the axis of the
-    /// film.
+    /// Evaluates tiles before flat iron over a grid, as a head or a single sensor reads them.
+    /// Lengths in millimetres. Parameters change from those at `reference`, which lies near the
+    /// axis of the film.
     ///
     /// # Errors
     /// * [`DesignError::NotBelow`] if a point of the grid is not below the film;

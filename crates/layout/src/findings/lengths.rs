@@ -26,6 +26,10 @@ const MAX_HEIGHT_RATIO: f64 = 30.0;
 /// film and of its volume, 20 and 4 mm, have a ratio of 200 if the film is in metres.
 const MAX_VOLUME_RATIO: f64 = 150.0;
 
+/// Longest side of all tiles, in mm, below which they were probably meant in m: a film or an array
+/// of 100 mm, or of any smaller size. Magnets that are handled have tenths of a millimetre.
+const SMALLEST_FILM_MM: f64 = 0.1;
+
 /// Distance of the volume from the film that is too small for a sensor, as a fraction of the
 /// wavelength. Half of the harmonic of order 11 reaches it: the field shows every seam, and has
 /// little in common with a sinusoid. No chip in its package comes so near to a film of 10 mm.
@@ -40,7 +44,24 @@ pub(crate) fn findings(tiles: &[NamedTile], ideal: Option<&IdealFilm>, volume: O
     let near = |volume| about_distance(tiles, ideal?, volume);
     let about_volume = volume.and_then(|volume| about_volume(tiles, volume).or_else(|| near(volume)));
     let about_ideal = ideal.into_iter().flat_map(|ideal| about_ideal_film(tiles, ideal, volume));
-    about_volume.into_iter().chain(about_ideal).collect()
+    // Other tables are other lengths to compare the tiles with.
+    let alone = (volume.is_none() && ideal.is_none()).then(|| about_tiles(tiles)).flatten();
+    about_volume.into_iter().chain(about_ideal).chain(alone).collect()
+}
+
+/// The finding about tiles that are together smaller than a magnet.
+fn about_tiles(tiles: &[NamedTile]) -> Option<Finding> {
+    let film = bounds(tiles);
+    let extents = film.upper - film.lower;
+    let film_mm = extents.max_element();
+    (!tiles.is_empty() && film_mm < SMALLEST_FILM_MM).then(|| {
+        let message = format!(
+            "the film measures {} mm along {}, less than {SMALLEST_FILM_MM} mm: are the tiles in m, not mm?",
+            short(film_mm),
+            longest_axis(extents)
+        );
+        Finding::new(FindingSubject::Tiles, message)
+    })
 }
 
 /// The scatter of the lower faces below a height, as in a film as made: three standard deviations.

@@ -46,8 +46,8 @@ impl TileResponse {
         TileResponse::with_images(number, tile, points, &[])
     }
 
-    /// The response of a tile at the place of tile number `number` of a film, with its images in the
-    /// iron that moves with the film.
+    /// The response of a tile at the place of tile number `number` of a film, with its images in
+    /// the iron that moves with the film.
     ///
     /// # Errors
     /// As [`TileResponse::new`].
