@@ -2,6 +2,7 @@
 //! the tiles with maps of the field, and the figures, in one file that loads no other.
 
 use magsplice::Film;
+use magsplice::results::IronSummary;
 
 use crate::drawing::Drawing;
 use crate::film_results::FilmResults;
@@ -102,6 +103,9 @@ pub(crate) fn facts(of: &FilmResults, prefix: &str) -> String {
             },
         ),
     ];
+    if let Some(iron) = IronSummary::of(layout) {
+        facts.push(("Iron", escaped(&iron.to_string())));
+    }
     if let Some(survey) = &of.survey {
         let (v, strides) = (survey.volume, strides(survey.volume.grid.counts()));
         let (l, u, s, r) = (v.lower_mm, v.upper_mm, v.step_mm, v.reference_mm);

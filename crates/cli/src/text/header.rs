@@ -4,7 +4,7 @@ use std::path::Path;
 
 use magsplice::Film;
 use magsplice::layout::{Layout, WorkingVolume};
-use magsplice::results::HeadSummary;
+use magsplice::results::{HeadSummary, IronSummary};
 
 use super::number::counted;
 use super::recoil;
@@ -24,9 +24,9 @@ pub(crate) fn layout(layout: &Layout) -> String {
     format!("{}: {}{shapes}{slices}, sha256 {}\n", layout.name, tile_count(layout), &layout.sha256[..12])
 }
 
-/// A layout, and what recoil changes in its field.
+/// A layout with its iron, and what recoil changes in its field.
 pub(crate) fn with_recoil(film: &Film) -> String {
-    layout(film.layout()) + &recoil(film)
+    layout(film.layout()) + &iron(film.layout()) + &recoil(film)
 }
 
 /// A film with its working volume, or with a number of points of a file.
@@ -59,10 +59,14 @@ pub(crate) fn film(film: &Film, volume: &WorkingVolume) -> String {
     )
 }
 
-/// The accuracy of a film's field, and what recoil changes in it.
+/// The accuracy of a film's field, its iron, and what recoil changes in it.
 pub(crate) fn accuracy(film: &Film) -> String {
     let head = HeadSummary::of(film.layout()).map_or(String::new(), |head| format!("sensor: {head}\n"));
-    format!("accuracy: {}\n{head}{}", film.scene().accuracy(), recoil(film))
+    format!("accuracy: {}\n{head}{}{}", film.scene().accuracy(), iron(film.layout()), recoil(film))
+}
+
+fn iron(layout: &Layout) -> String {
+    IronSummary::of(layout).map_or(String::new(), |iron| format!("iron: {iron}\n"))
 }
 
 fn recoil(film: &Film) -> String {

@@ -44,6 +44,8 @@ mod front;
 mod head_fits;
 /// The head of a film in numbers.
 mod head_summary;
+/// The flat iron of a layout in words.
+mod iron_summary;
 /// Typical errors of every tile that explain a scan.
 mod likelier_errors;
 /// Readings beyond the range of the sensor.
@@ -101,6 +103,7 @@ pub use found_film::FoundFilm;
 pub use front::{FilmFront, FrontFilm};
 pub use head_fits::{HeadFits, RESIDUAL_ALARM};
 pub use head_summary::HeadSummary;
+pub use iron_summary::IronSummary;
 pub use out_of_range::OutOfRange;
 pub use parts::{BillOfMaterials, MAX_KERF_MM, PartItem};
 pub use placement::{FittedScan, SensorPlacement};

@@ -2,6 +2,7 @@
 
 use glam::{DVec2, DVec3};
 use magsplice::layout::{Layout, NamedTile, WorkingVolume};
+use magsplice::results::IronSummary;
 use plotters::prelude::RGBColor;
 
 use crate::colours::{DirectionColours, light};
@@ -23,6 +24,8 @@ use super::tile_annotations::{Annotation, Annotations, Rectangle, TileOnSheet, a
 
 /// Width of the legend at the right of the drawing, in pixels.
 const LEGEND_PX: f64 = 190.0;
+/// Most letters of the words for a plane in the legend.
+const LONGEST_LINE: usize = 22;
 /// Space at the right of a drawing without a legend there, in pixels.
 const RIGHT_PX: f64 = 12.0;
 /// Minimum of half the shorter side, as a fraction of the longer side.
@@ -70,16 +73,25 @@ fn of_width(
         (quoted(&named.name) + ",", numbers.chain(named.tile.rotation().to_array()))
     };
     let header = "name,x_mm,y_mm,z_mm,size_x_mm,size_y_mm,size_z_mm,jx_t,jy_t,jz_t,qx,qy,qz,qw";
-    let below = Below { volume: layout.volume.as_ref(), sensors: sensors_mm(layout) };
-    let drawn = draw(tiles, layout.tiles.len(), &below, ranges, column_px);
+    let around = Around { volume: layout.volume.as_ref(), sensors: sensors_mm(layout), iron: iron(layout) };
+    let drawn = draw(tiles, layout.tiles.len(), &around, ranges, column_px);
     FigureDraft::new(NAME, caption, drawn, csv(header, tiles.iter().map(row)))
 }
 
-/// What is drawn of the things below the film.
-struct Below<'a> {
+/// What is drawn of the things around the film.
+struct Around<'a> {
     volume: Option<&'a WorkingVolume>,
     /// The places of the sensors of a head.
     sensors: Vec<DVec3>,
+    /// Its iron in words.
+    iron: Vec<String>,
+}
+
+/// The planes of iron in words that fit the legend.
+fn iron(layout: &Layout) -> Vec<String> {
+    let planes = IronSummary::of(layout).into_iter().flat_map(|iron| iron.planes().collect::<Vec<_>>());
+    let short = |plane: String| if plane.len() <= LONGEST_LINE { plane } else { "an oblique plane".to_owned() };
+    planes.map(short).collect()
 }
 
 /// The places of the sensors of a head whose board is at the reference point. None for one sensor.
@@ -98,7 +110,7 @@ fn sensors_mm(layout: &Layout) -> Vec<DVec3> {
 fn draw(
     tiles: &[&NamedTile],
     all: usize,
-    Below { volume, sensors }: &Below,
+    Around { volume, sensors, iron }: &Around,
     ranges: &SharedRanges,
     column_px: Option<f64>,
 ) -> Result<String, DrawError> {
@@ -174,6 +186,7 @@ fn draw(
             all,
             volume: volume.is_some(),
             sensors: sensors.len(),
+            iron,
             names: &names,
         };
         legend.draw(sheet, &painter.directions)

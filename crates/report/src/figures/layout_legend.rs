@@ -7,7 +7,7 @@ use plotters::prelude::RGBColor;
 use crate::colours::{DirectionColours, Rgb, light};
 use crate::marks::{VANISHING, arrow, corner_brackets, out_of_plane_mark, sensor_mark};
 use crate::sheet::{DrawResult, INK, LETTERS, PlotError, Sheet};
-use crate::typeset::{rounded, variable};
+use crate::typeset::{plain, rounded, variable};
 
 use super::film_panel::tile_count;
 use super::tile_annotations::arrow_width;
@@ -33,6 +33,8 @@ pub(super) struct LayoutLegend<'a> {
     pub(super) volume: bool,
     /// Number of sensors that are drawn.
     pub(super) sensors: usize,
+    /// Each plane of iron in words.
+    pub(super) iron: &'a [String],
     /// Lines about the names of the tiles.
     pub(super) names: &'a [String],
 }
@@ -85,7 +87,7 @@ impl LayoutLegend<'_> {
         Ok(y)
     }
 
-    /// The lines of text: the number of tiles, |J|, and the names.
+    /// The lines of text: the number of tiles, |J|, the iron and the names.
     fn lines(&self) -> Vec<String> {
         let (tiles, all) = (self.tiles, self.all);
         let mut lines = vec![tile_count(all)];
@@ -99,6 +101,7 @@ impl LayoutLegend<'_> {
         } else {
             lines.push(format!("|{}| = {} to {}", variable("J"), strength(least_t), strength(self.most_t)));
         }
+        lines.extend(self.iron.iter().map(|plane| format!("Iron: {}", plain(plane))));
         lines.extend_from_slice(self.names);
         lines
     }
