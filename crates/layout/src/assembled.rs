@@ -3,13 +3,14 @@
 //! Planes of iron move with the tiles. Other tables are unchanged, such as the working volume.
 //! Requirements and the brief apply to the original film, and are left out.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
 
 use glam::{DMat3, DQuat, DVec3};
 use magsplice_magnet::{Tile, TileFaults};
 
 use crate::expectations::Expectations;
-use crate::layout::{Layout, NamedTile};
+use crate::layout::{Layout, NamedTile, WholeDisc};
 use crate::material::Material;
 use crate::rotation::Rotation;
 use crate::tolerance::FilmTolerance;
@@ -67,7 +68,8 @@ impl Layout {
             let turned = Tile::new(position, size, polarization_t)?.rotated(own)?;
             // The kind has the sides of the tile.
             let kind = if size == tile.size() { named.kind } else { None };
-            Ok(NamedTile { kind, permeability: named.permeability, ..NamedTile::new(named.name, turned) })
+            let NamedTile { permeability, disc, .. } = named;
+            Ok(NamedTile { kind, permeability, disc, ..NamedTile::new(named.name, turned) })
         })
     }
 
@@ -118,10 +120,18 @@ impl Layout {
         }
         let Material { permeability, .. } = self.material;
         let mut names = FreeNames::of(self.tiles.iter().map(|named| &named.name));
+        let discs = self.tiles.iter().filter_map(|named| named.disc.as_ref());
+        let mut names_of_discs = FreeNames::of(discs.map(|disc| &disc.name).collect::<HashSet<_>>().into_iter());
+        let mut discs: HashMap<&str, Arc<WholeDisc>> = HashMap::new();
         for named in &other.tiles {
+            let disc = named.disc.as_ref().map(|disc| {
+                let renamed =
+                    || Arc::new(WholeDisc { name: names_of_discs.free(&disc.name), ..WholeDisc::clone(disc) });
+                discs.entry(&disc.name).or_insert_with(renamed).clone()
+            });
             let own = named.permeability.unwrap_or(other.material.permeability);
             let permeability = named.permeability.or((own != permeability).then_some(own));
-            self.tiles.push(NamedTile { name: names.free(&named.name), permeability, ..named.clone() });
+            self.tiles.push(NamedTile { name: names.free(&named.name), permeability, disc, ..named.clone() });
         }
         self.without_requirements()
     }

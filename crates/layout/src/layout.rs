@@ -153,6 +153,19 @@ pub struct NamedTile {
     pub tile: Tile,
     /// Its recoil permeability. `None` for the permeability of the material.
     pub permeability: Option<Permeability>,
+    /// The disc of which it is a strip. Its strips share it.
+    pub disc: Option<Arc<WholeDisc>>,
+}
+
+/// A disc that is computed as strips, which move and change together.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WholeDisc {
+    /// Name, unique within the layout.
+    pub name: String,
+    /// Diameter.
+    pub diameter_mm: f64,
+    /// Height.
+    pub height_mm: f64,
 }
 
 impl NamedTile {
@@ -161,6 +174,6 @@ impl NamedTile {
     pub fn new(name: impl Into<String>, tile: Tile) -> NamedTile {
         let is_turned = tile.rotation() != DQuat::IDENTITY;
         let rotation = is_turned.then(|| Rotation::Quaternion(tile.rotation().to_array()).checked().ok()).flatten();
-        NamedTile { name: name.into(), kind: None, rotation, tile, permeability: None }
+        NamedTile { name: name.into(), kind: None, rotation, tile, permeability: None, disc: None }
     }
 }

@@ -116,7 +116,7 @@ pub use file::schema::schema;
 pub use file::text::is_layout;
 pub use finding::{Finding, FindingSubject};
 pub use head::StatedHead;
-pub use layout::{Layout, NamedTile, SourceFile};
+pub use layout::{Layout, NamedTile, SourceFile, WholeDisc};
 pub use limits::{BYTES_PER_POINT, MAX_NAME_BYTES, SAMPLE_COUNTS};
 pub use material::Material;
 pub use memory::{MemoryError, check_memory};
@@ -130,8 +130,8 @@ pub use rotation::{EulerOrder, InvalidEulerOrder, ORTHOGONALITY_TOLERANCE, Rotat
 pub use sensor::StatedSensor;
 pub use sensor_part::PartSetting;
 pub use tolerance::{
-    CommonErrors, Distribution, ErrorGroup, FilmPose, FilmTolerance, NearIron, Neighbour, Preset, SensorErrors,
-    StrayField, Temperature, TileErrors,
+    CommonErrors, DiscErrorsFault, Distribution, ErrorGroup, FilmPose, FilmTolerance, NearIron, Neighbour, Preset,
+    SensorErrors, StrayField, Temperature, TileErrors,
 };
 pub use units::{direction_from_degrees, ten_decimals};
 pub use volume::WorkingVolume;

@@ -8,7 +8,7 @@ use glam::DVec3;
 use magsplice_field::Scene;
 use magsplice_head::SensorHead;
 use magsplice_ideal::IdealFilm;
-use magsplice_layout::{BYTES_PER_POINT, Layout, WorkingVolume};
+use magsplice_layout::{BYTES_PER_POINT, Layout, TileErrors, WorkingVolume};
 use magsplice_magnet::{Accuracy, Grid, PointError, PointErrorCause, PointErrors, Quantity};
 use magsplice_sensor::SensedField;
 use magsplice_tolerance::{EvaluationGrid, RealFilm, Weakening};
@@ -197,7 +197,8 @@ impl Film {
     /// If the layout states no errors, or has recoil beside iron.
     pub fn real_film(&self) -> Result<RealFilm, FilmError> {
         let tolerance = self.layout.tolerance.as_ref().ok_or(FilmError::Missing("tolerance"))?;
-        if self.layout.shape_error.is_some() && !tolerance.tiles.is_empty() {
+        let of_strips = self.layout.tiles.iter().zip(&tolerance.tiles).filter(|(named, _)| named.disc.is_some());
+        if of_strips.into_iter().any(|(_, errors)| *errors != TileErrors::default()) {
             return Err(FilmError::StripErrors);
         }
         if self.recoil.is_some() && tolerance.common.iron.is_some() {

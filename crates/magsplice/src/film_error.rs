@@ -28,10 +28,7 @@ pub enum FilmError {
     #[error("{0}: leave out head or [[sensor.element]] of [sensor]")]
     Head(&'static str),
     /// The layout has discs, whose strips do not have errors of their own.
-    #[error(
-        "errors of each tile would part the strips of a disc, which move together: give its errors in [[tolerance.group]], \
-         without a preset"
-    )]
+    #[error("errors of the strips of a disc would part it: give them by FilmTolerance::of_whole_discs")]
     StripErrors,
     /// Iron changes the recoil of a film, which is not computed.
     #[error("recoil is computed without the field of iron: leave out recoil_permeability or [tolerance.iron]")]

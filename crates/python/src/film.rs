@@ -13,7 +13,7 @@ use numpy::{PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 
-use crate::exceptions::{failed, of_film, of_layout, one_of};
+use crate::exceptions::{bad_value, failed, of_film, of_layout, one_of};
 use crate::interruption::Interruption;
 use crate::scene::Scene;
 use crate::threads::detached;
@@ -276,7 +276,7 @@ impl Film {
             Some(name) => one_of::<Preset>("preset", name, PRESETS)?.errors(),
         };
         let FilmTolerance { samples, seed, .. } = layout.tolerance.take().unwrap_or_default();
-        let of_tiles = FilmTolerance::of_tiles(&errors, layout.tiles.len());
+        let of_tiles = FilmTolerance::of_film(&errors, &layout.tiles).map_err(bad_value)?;
         layout.tolerance = Some(FilmTolerance { samples, seed, ..of_tiles });
         Ok(layout)
     }

@@ -1,7 +1,11 @@
 //! The option `--preset`.
 
+use std::path::Path;
+
 use clap::{Args, ValueEnum};
 use magsplice::layout::{self, FilmTolerance, Layout};
+
+use crate::failure::Failure;
 
 /// Errors of tiles to assume instead of those of the layout.
 #[derive(Args)]
@@ -36,10 +40,15 @@ impl From<Preset> for layout::Preset {
 
 impl PresetArgs {
     /// Gives the tiles of a layout the errors of the preset, and no others. Samples and seed stay.
-    pub(crate) fn apply(&self, layout: &mut Layout) {
-        let Some(preset) = self.preset.map(layout::Preset::from) else { return };
+    ///
+    /// # Errors
+    /// For discs and a preset with errors of sizes. `file` is the file of the layout.
+    pub(crate) fn apply(&self, layout: &mut Layout, file: &Path) -> Result<(), Failure> {
+        let Some(preset) = self.preset.map(layout::Preset::from) else { return Ok(()) };
         let FilmTolerance { samples, seed, .. } = layout.tolerance.take().unwrap_or_default();
-        layout.tolerance =
-            Some(FilmTolerance { samples, seed, ..FilmTolerance::of_tiles(&preset.errors(), layout.tiles.len()) });
+        let errors = FilmTolerance::of_film(&preset.errors(), &layout.tiles);
+        let errors = errors.map_err(|fault| Failure::at(file, fault))?;
+        layout.tolerance = Some(FilmTolerance { samples, seed, ..errors });
+        Ok(())
     }
 }

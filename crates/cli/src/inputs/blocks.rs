@@ -92,7 +92,9 @@ fn tile(columns: &Columns, cells: &mut Cells, number: usize) -> Option<NamedTile
         Ok(tile) => {
             let rotation = rotation.filter(|rotation| rotation.quaternion() != DQuat::IDENTITY);
             match rotation.map_or(Ok(tile), |rotation| tile.rotated(rotation.quaternion())) {
-                Ok(tile) => return Some(NamedTile { name, kind: None, rotation, tile, permeability: None }),
+                Ok(tile) => {
+                    return Some(NamedTile { name, kind: None, rotation, tile, permeability: None, disc: None });
+                }
                 Err(broken) => vec![broken.to_string()],
             }
         }

@@ -19,15 +19,23 @@ fn checkerboard_resolves_more_than_rings() {
     assert!((1.3..1.6).contains(&(checkerboard / rings)), "{checkerboard} and {rings} per mm");
 }
 
-/// A preset would give every strip of a disc errors of its own.
+/// A preset gives every disc its errors as a whole. Errors of its size are refused.
 #[test]
-fn presets_do_not_part_the_strips_of_discs() {
+fn presets_are_errors_of_whole_discs() {
     let sandbox = Sandbox::new();
     let film = "format = 1\nname = \"disc\"\n[ideal]\nwavelength_mm = 10\nthickness_mm = 1\namplitude_t = 0.12\n[volume]\n\
                 x_mm = [-1, 1]\ny_mm = [-1, 1]\nz_mm = [-5, -3]\nstep_mm = 1\n[[tile]]\nname = \"d\"\nshape = \"disc\"\n\
                 diameter_mm = 4\nheight_mm = 1\nposition_mm = [0, 0, 0.5]\npolarization_t = [0, 0, 1]\n";
     sandbox.write("disc.toml", film);
+    let group = "[[tolerance.group]]\nname = \"d\"\ntiles = [\"d-s*\"]\nposition_mm = 0.05\nrotation_deg = 0.5\nstrength = 0.01\n";
+    sandbox.write("group.toml", &format!("{film}{group}"));
     for verb in ["tolerance", "budget"] {
-        sandbox.run(&[verb, "disc.toml", "--preset", "workshop"]).refuses("would part the strips of a disc");
+        let by_preset = sandbox.run(&[verb, "disc.toml", "--preset", "workshop"]);
+        assert_eq!(by_preset.status, 0, "{}", by_preset.stderr);
+        let by_group = sandbox.run(&[verb, "group.toml"]);
+        let of = |said: &str| said.lines().skip(1).map(str::to_owned).collect::<Vec<_>>();
+        let lines = of(&by_preset.stdout);
+        assert!(lines.len() > 8 && lines == of(&by_group.stdout), "{verb}: {lines:?}");
+        sandbox.run(&[verb, "disc.toml", "--preset", "by-hand"]).refuses("\"d\" has errors of size_mm");
     }
 }

@@ -176,7 +176,7 @@ fn lines(tiles: &[NamedTile]) -> (Vec<Line<'_>>, Vec<String>) {
 fn images(named: &NamedTile, axes: &[Axis]) -> Vec<NamedTile> {
     let mirror = MirrorTable { axes: axes.to_vec(), ..MirrorTable::default() };
     let mut faults = Faults::new("");
-    let tiles = repeat::resolve(vec![named.clone()], None, Some(&mirror), &mut Room::default(), &mut faults.at(0, ""));
+    let tiles = repeat::resolve(named.clone(), 1, None, Some(&mirror), &mut Room::default(), &mut faults.at(0, ""));
     tiles.into_iter().flatten().skip(1).collect()
 }
 

@@ -27,7 +27,7 @@ use crate::places::Place;
 use crate::plane::{PlaneTable, check_volume};
 use crate::tables_present::TablesPresent;
 use crate::tile::{FileTiles, angles, overlap};
-use crate::tolerance::{ErrorGroup, WholeLayout};
+use crate::tolerance::WholeLayout;
 
 impl Layout {
     /// The layout in the file at `path`.
@@ -215,19 +215,6 @@ fn resolve(file: LayoutFile, place: &Place, text: &str, source: &Source) -> Resu
         let read_neighbour = |layout: &str| tiles_of_neighbour(&source.folder, layout);
         table.resolve(whole, &source.folder, &read_neighbour, place.key("tolerance"), &mut faults)
     });
-    let has_errors_of_tiles = tolerance.as_ref().is_some_and(|tolerance| !tolerance.tiles.is_empty());
-    if shape_error.is_some() && has_errors_of_tiles {
-        faults.at(at("tolerance"), "tolerance").add(
-            "has errors of each tile, and the strips of a disc move together: give its errors in [[tolerance.group]], \
-             with tiles = [\"NAME-s*\"]",
-        );
-    }
-    let has_size_errors = |group: &ErrorGroup| group.errors.size.iter().any(|error| !error.is_none());
-    if shape_error.is_some() && tolerance.iter().flat_map(|of| &of.groups).any(has_size_errors) {
-        faults
-            .at(at("tolerance"), "tolerance.group")
-            .add("has errors of size_mm, which would change every strip of a disc: leave size_mm out");
-    }
     if let Some(volume) = &volume {
         let bare: Vec<Tile> = tiles.iter().map(|named| named.tile).collect();
         let near = tolerance.as_ref().and_then(|tolerance| tolerance.common.iron.as_ref());

@@ -1,6 +1,7 @@
 //! Discs as strips of cuboids.
 
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 use glam::DVec3;
 use magsplice_magnet::Tile;
@@ -8,7 +9,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::faults::{POSITIVE, Rule, TableFaults};
-use crate::layout::NamedTile;
+use crate::layout::{NamedTile, WholeDisc};
 
 /// The shape of a tile.
 #[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema, PartialEq, Serialize)]
@@ -111,6 +112,8 @@ impl Disc {
     /// if a strip breaks a rule of tiles.
     pub(crate) fn tiles(self, named: &NamedTile) -> Option<Vec<NamedTile>> {
         let (count, radius) = (self.strips(), 0.5 * self.diameter_mm);
+        let Disc { diameter_mm, height_mm, .. } = self;
+        let whole = Arc::new(WholeDisc { name: named.name.clone(), diameter_mm, height_mm });
         let angle = |strip: usize| PI * strip as f64 / count as f64;
         // Twice the area between the diameter and a line at radius * cos(angle), over radius^2.
         let area = |angle: f64| angle - angle.sin() * angle.cos();
@@ -124,7 +127,8 @@ impl Disc {
             let size = DVec3::new(length, width, self.height_mm);
             let position = tile.position() + tile.rotation() * centre;
             let tile = Tile::new(position, size, tile.polarization_t()).ok()?.rotated(tile.rotation()).ok()?;
-            Some(NamedTile { name: format!("{}-s{}", named.name, number + 1), tile, ..named.clone() })
+            let name = format!("{}-s{}", named.name, number + 1);
+            Some(NamedTile { name, tile, disc: Some(whole.clone()), ..named.clone() })
         };
         (0..count).map(strip).collect()
     }

@@ -8,6 +8,7 @@ use crate::layout::NamedTile;
 use crate::limits::MAX_NAME_BYTES;
 use crate::names::{check_name, shown};
 use crate::places::Place;
+use crate::tile::disc::Disc;
 use crate::tile::entries::{Entry, entry_of};
 use crate::tile::lattice::LatticeTable;
 use crate::tile::repeat::{self, MirrorTable};
@@ -56,14 +57,12 @@ impl<'t> FileTiles<'t> {
             let (grid, mirror) = (table.grid.as_ref(), table.mirror.as_ref());
             let single = single::resolve(table, name, kinds, &mut faults);
             let tiles = single.and_then(|(tile, disc)| {
-                let parts = match disc {
-                    None => vec![tile],
-                    Some(disc) => {
-                        all.shape_error = Some(all.shape_error.unwrap_or(0.0).max(disc.error));
-                        disc.tiles(&tile).or_else(|| faults.refuse(TOO_THIN))?
-                    }
-                };
-                repeat::resolve(parts, grid, mirror, &mut room, &mut faults)
+                let strips = disc.map_or(1, Disc::strips);
+                let copies = repeat::resolve(tile, strips, grid, mirror, &mut room, &mut faults)?;
+                let Some(disc) = disc else { return Some(copies) };
+                all.shape_error = Some(all.shape_error.unwrap_or(0.0).max(disc.error));
+                let strips: Option<Vec<Vec<NamedTile>>> = copies.iter().map(|copy| disc.tiles(copy)).collect();
+                strips.map(|strips| strips.concat()).or_else(|| faults.refuse(TOO_THIN))
             });
             all.add(start, mirror, tiles);
         }

@@ -132,6 +132,7 @@ impl LatticeTable {
                     rotation: None,
                     tile,
                     permeability,
+                    disc: None,
                 });
             }
         }

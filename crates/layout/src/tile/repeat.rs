@@ -54,10 +54,11 @@ pub(crate) enum Reflection {
     Keep,
 }
 
-/// The parts of a tile, their copies on the grid, and the mirror images of all of them. `None`
-/// after adding a fault.
+/// A tile, its copies on the grid, and the mirror images of all of them, each of which makes
+/// `strips` tiles. `None` after adding a fault.
 pub(crate) fn resolve(
-    parts: Vec<NamedTile>,
+    tile: NamedTile,
+    strips: usize,
     grid: Option<&GridTable>,
     mirror: Option<&MirrorTable>,
     room: &mut Room,
@@ -74,24 +75,20 @@ pub(crate) fn resolve(
         return None;
     }
     let copies = grid.map_or(1, |grid| grid.count.iter().fold(1, |product: usize, n| product.saturating_mul(*n)));
-    let copies = copies.saturating_mul(parts.len());
+    let copies = copies.saturating_mul(strips);
     let total = mirror.map_or(copies, |mirror| copies.saturating_mul(1 << mirror.axes.len()));
     let what = match (grid, mirror) {
         (Some(grid), None) => format!("grid.count = {:?} makes {total} tiles", grid.count),
         (Some(_), Some(_)) => format!("grid and mirror make {total} tiles"),
         (None, _) => format!("makes {total} tiles"),
     };
-    let name_bytes = |tile: &NamedTile| tile.name.len() + tile.kind.as_ref().map_or(0, String::len);
-    if !room.take(total, parts.iter().map(name_bytes).max().unwrap_or(0), what, faults) {
+    let name_bytes = tile.name.len() + tile.kind.as_ref().map_or(0, String::len);
+    if !room.take(total, name_bytes, what, faults) {
         return None;
     }
     let mut tiles = match grid {
-        None => parts,
-        Some(grid) => {
-            let copies: Option<Vec<Vec<NamedTile>>> =
-                parts.iter().map(|part| copies_on_grid(part, grid, faults)).collect();
-            copies?.concat()
-        }
+        None => vec![tile],
+        Some(grid) => copies_on_grid(&tile, grid, faults)?,
     };
     if let Some(mirror) = mirror {
         for &axis in &mirror.axes {
@@ -181,5 +178,6 @@ fn mirror_image(named: &NamedTile, axis: Axis, mirror: &MirrorTable, faults: &mu
         rotation: written,
         tile: checked_tile(position, tile.size(), polarization, faults)?.rotated(rotation).ok()?,
         permeability: named.permeability,
+        disc: None,
     })
 }

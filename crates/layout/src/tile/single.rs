@@ -156,7 +156,7 @@ pub(crate) fn resolve(
     // Faults of a kind have been added with the kind.
     let of_kind = || kind?.recoil_permeability?.resolve(faults);
     let permeability = own_permeability.or_else(of_kind);
-    Some((NamedTile { name, kind: table.kind.clone(), rotation, tile, permeability }, disc))
+    Some((NamedTile { name, kind: table.kind.clone(), rotation, tile, permeability, disc: None }, disc))
 }
 
 fn declared_kind<'k>(

@@ -153,7 +153,7 @@ fn parts(table: &GroupTable, name: String, chosen: Vec<usize>, selection: &Selec
 /// Rows of tiles along an axis, in the order of their places along the other two.
 fn rows(axis: usize, chosen: Vec<usize>, selection: &Selection) -> Vec<Vec<usize>> {
     let [first, second] = [[1, 2], [0, 2], [0, 1]][axis];
-    let place = |index: usize, across: usize| selection.tiles[index].tile.position()[across];
+    let place = |index: usize, across: usize| selection.place(index)[across];
     let mut rows = Vec::new();
     for layer in neighbours(chosen, |index| place(index, second)) {
         rows.extend(neighbours(layer, |index| place(index, first)));

@@ -2,10 +2,13 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
+use glam::DVec3;
+
 use crate::faults::TableFaults;
 use crate::layout::NamedTile;
 use crate::limits::{MAX_LISTED, MAX_NAME_TRIALS};
 use crate::names::{did_you_mean, shown};
+use crate::tolerance::discs;
 
 /// Names among which the one that was probably meant is searched: comparing names takes long.
 const COMPARED_NAMES: usize = 2000;
@@ -21,6 +24,8 @@ pub(crate) struct Selection<'t> {
     /// Whether all tiles of the file are there. If some are missing because of other faults, names
     /// that do not exist are no faults.
     pub(crate) is_complete: bool,
+    /// The centres of all tiles. A strip of a disc has the centre of the disc.
+    places: Vec<DVec3>,
     /// Comparisons of names that are left.
     trials_left: usize,
 }
@@ -43,6 +48,7 @@ impl<'t> Selection<'t> {
             by_kind,
             kinds: kinds.map(String::as_str).collect(),
             is_complete,
+            places: places(tiles),
             trials_left: MAX_NAME_TRIALS,
         }
     }
@@ -100,12 +106,31 @@ impl<'t> Selection<'t> {
         is_known
     }
 
-    /// The shortest side of these tiles in mm, with its tile.
+    /// The centre of a tile, of its disc for a strip.
+    pub(crate) fn place(&self, tile: usize) -> DVec3 {
+        self.places[tile]
+    }
+
+    /// The shortest side of these tiles in mm, with its tile. A disc counts as a whole.
     pub(crate) fn shortest_side<'i>(&self, tiles: impl IntoIterator<Item = &'i usize>) -> Option<(f64, &'t str)> {
         let named = tiles.into_iter().map(|index| &self.tiles[*index]);
-        let sides = named.map(|named| (named.tile.size().min_element(), named.name.as_str()));
+        let side = |named: &NamedTile| match &named.disc {
+            Some(disc) => disc.diameter_mm.min(disc.height_mm),
+            None => named.tile.size().min_element(),
+        };
+        let sides = named.map(|named| (side(named), named.name.as_str()));
         sides.min_by(|a, b| a.0.total_cmp(&b.0))
     }
+}
+
+/// The centres of all tiles. A strip of a disc has the centre of the disc.
+fn places(tiles: &[NamedTile]) -> Vec<DVec3> {
+    let mut places: Vec<DVec3> = tiles.iter().map(|named| named.tile.position()).collect();
+    for (_, strips) in discs(tiles) {
+        let centre = strips.iter().map(|strip| places[*strip]).sum::<DVec3>() / strips.len() as f64;
+        strips.into_iter().for_each(|strip| places[strip] = centre);
+    }
+    places
 }
 
 /// The known name most like an unknown one, as a question. Not searched for faults that are not

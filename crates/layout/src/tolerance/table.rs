@@ -132,6 +132,10 @@ impl ToleranceTable {
         let common = CommonErrors { film, stray_field, neighbour, iron, temperature, sensor };
         let (samples, seed) = (self.samples.unwrap_or(defaults.samples), self.seed.unwrap_or(defaults.seed));
         let found = FilmTolerance { tiles: of_tiles, groups, common, samples, seed };
+        let found = match found.of_whole_discs(tiles) {
+            Ok(found) => found,
+            Err(fault) => return faults.at(place.start, "tolerance").refuse(fault.to_string()),
+        };
         remark(&found, present, faults);
         Some(found)
     }

@@ -1,7 +1,7 @@
 //! Discs and waves: their tiles and their rules.
 
 use glam::DVec3;
-use magsplice_layout::Layout;
+use magsplice_layout::{Distribution, Layout, TileErrors};
 
 const HEAD: &str = "format = 1\nname = \"shapes\"\n";
 
@@ -30,11 +30,11 @@ fn discs_are_strips() {
     ));
     assert_eq!((repeated.tiles.len(), repeated.shape_error), (40, Some(0.01)));
     let of = |name: &str| repeated.tiles.iter().find(|tile| tile.name == name).expect(name).tile;
-    let (first, copy, image) = (of("d-s1-x1"), of("d-s1-x2"), of("d-s1-x1-my"));
+    let (first, copy, image) = (of("d-x1-s1"), of("d-x2-s1"), of("d-x1-my-s1"));
     // The first strip is at the lower end of y of the disc, turned to the upper end of x.
     assert!(first.position().x > 2.8 && (first.position().y - 2.0).abs() < 1e-15, "{first:?}");
     assert!((copy.position() - first.position() - DVec3::new(5.0, 0.0, 0.0)).length() < 1e-15);
-    assert_eq!((copy.polarization_t().z, image.position().y), (-1.0, -first.position().y));
+    assert!(copy.polarization_t().z == -1.0 && (image.position().y + first.position().y).abs() < 1e-15, "{image:?}");
     let again = Layout::parse(&repeated.to_toml(), "again").unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(again.bare_tiles(), repeated.bare_tiles());
     let fine = layout(&DISC.replace("height_mm", "shape_error = 0.0001\nheight_mm"));
@@ -55,11 +55,35 @@ fn rules_of_discs_have_their_keys() {
     refused(&DISC.replace("\"disc\"", "\"ring\""), "ring");
     refused(&with("kind = \"k\"\n[kind.k]\nsize_mm = [1, 1, 1]"), "gives shape, which its kind already gives");
     // Strips are parts of one magnet.
-    refused(&format!("{DISC}[tolerance]\npreset = \"jig\"\n"), "the strips of a disc move together");
+    refused(
+        &format!("{DISC}[tolerance]\npreset = \"jig\"\n"),
+        "\"d\" has errors of size_mm, which would change every strip",
+    );
     let sizes = "[[tolerance.group]]\ntiles = [\"d-s*\"]\nsize_mm = 0.01\n";
-    refused(&format!("{DISC}{sizes}"), "has errors of size_mm, which would change every strip of a disc");
-    let group = "[[tolerance.group]]\ntiles = [\"d-s*\"]\nposition_mm = 0.05\n";
-    assert_eq!(layout(&format!("{DISC}{group}")).tolerance.expect("stated").groups[0].tiles.len(), 10);
+    refused(&format!("{DISC}{sizes}"), "\"group-1\" has errors of size_mm, which would change every strip of a disc");
+    let one = "[[tolerance.tile]]\ntiles = [\"d-s2\"]\nposition_mm = 0.05\n";
+    refused(&format!("{DISC}{one}"), "the strips of the disc \"d\" have different errors, must have the same");
+}
+
+/// Errors of each tile are those of whole discs, and rows are rows of discs. The narrowest strip,
+/// of 0.1 mm, does not limit them.
+#[test]
+fn errors_of_discs_are_those_of_their_strips_together() {
+    let grid = "grid = { count = [2, 3, 1], pitch_mm = [5, 5, 0], alternate = [\"x\"] }\n";
+    let discs = |tolerance: &str| layout(&format!("{DISC}{grid}{tolerance}")).tolerance.expect("stated");
+    let made = discs("[tolerance]\npreset = \"by-hand\"\nsize_mm = 0\n");
+    assert!(made.tiles.is_empty() && made.groups.len() == 6, "{made:?}");
+    assert!(
+        made.groups.iter().all(|group| group.tiles.len() == 10 && group.errors.strength == Distribution::normal(0.03))
+    );
+    assert_eq!(made.groups[1].name, "d-x1-y2");
+    let rows = discs("[[tolerance.group]]\nname = \"row\"\nrows_along = \"x\"\nposition_mm = 0.2\n");
+    assert_eq!(rows.groups.iter().map(|row| row.tiles.len()).collect::<Vec<_>>(), [20; 3]);
+    // A block beside discs keeps errors of its own.
+    let block = "[[tile]]\nposition_mm = [30, 0, 0]\nsize_mm = [1, 1, 1]\npolarization_t = [1, 0, 0]\n";
+    let both = discs(&format!("{block}[tolerance]\nposition_mm = 0.05\n"));
+    let has_errors: Vec<bool> = both.tiles.iter().map(|errors| *errors != TileErrors::default()).collect();
+    assert!(both.groups.len() == 6 && has_errors[60] && !has_errors[..60].contains(&true), "{has_errors:?}");
 }
 
 /// The pattern of slices is the wave at their middles over sinc(pi / 4), with its phase at the

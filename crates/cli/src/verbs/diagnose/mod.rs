@@ -106,7 +106,7 @@ pub(crate) fn run(args: &DiagnoseArgs, quiet: bool) -> Result<(), Failure> {
     let mut session = Session::begin(&args.layout, remarks::OF_TILES, quiet, progress)?;
     let original = session.layout.clone();
     let layout = Arc::make_mut(&mut session.layout);
-    args.preset.apply(layout);
+    args.preset.apply(layout, &args.layout)?;
     if args.as_ordered {
         layout.tolerance = None;
     }

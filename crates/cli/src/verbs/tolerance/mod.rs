@@ -133,7 +133,7 @@ pub(crate) fn run(args: &ToleranceArgs, quiet: bool) -> Result<u8, Failure> {
     }
     let path = args.layout.as_deref().unwrap_or(Path::new(""));
     let mut session = Session::begin(path, remarks::OF_COMPARISONS, quiet, ProgressLine::start_search(!quiet))?;
-    args.preset.apply(Arc::make_mut(&mut session.layout));
+    args.preset.apply(Arc::make_mut(&mut session.layout), path)?;
     require_errors(&session)?;
     let film = session.film()?;
     let sampling = film.sampling().map_err(|error| session.failed(error))?;
@@ -229,7 +229,7 @@ fn part(args: &ToleranceArgs, total: u64) -> Result<u64, Failure> {
 /// `tolerance merge`: joins parts.
 fn merge(args: &MergeArgs, quiet: bool) -> Result<(), Failure> {
     let mut session = Session::open(&args.layout, remarks::OF_COMPARISONS, quiet)?;
-    args.preset.apply(Arc::make_mut(&mut session.layout));
+    args.preset.apply(Arc::make_mut(&mut session.layout), &args.layout)?;
     require_errors(&session)?;
     let film = session.film()?;
     let sampling = film.sampling().map_err(|error| session.failed(error))?;
