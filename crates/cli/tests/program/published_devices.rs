@@ -1,6 +1,6 @@
 //! The layouts of published devices.
 
-use super::{Sandbox, shipped};
+use super::{Sandbox, rows, shipped};
 
 /// The number for resolution ranks the checkerboard before the rings, as the experiment of Qian, Li
 /// and Guo 2026 did: the tenth percentile of the least singular value of all readings over their
@@ -17,6 +17,33 @@ fn checkerboard_resolves_more_than_rings() {
     };
     let [checkerboard, rings] = ["checkerboard", "rings"].map(of);
     assert!((1.3..1.6).contains(&(checkerboard / rings)), "{checkerboard} and {rings} per mm");
+}
+
+/// The fit of the eFlesh pad leaves what its header states, with the order and the orientation of
+/// the chips that fit best.
+#[test]
+fn eflesh_pad_leaves_the_stated_residual() {
+    let sandbox = Sandbox::new();
+    let places = ["7.594,7.594", "-7.594,7.594", "-7.594,-7.594", "7.594,-7.594", "0,1.406"];
+    let readings_ut = [
+        [1243.0, -1870.0, 10_110.0],
+        [1569.0, -3458.0, 9765.0],
+        [-662.0, 830.0, 7647.0],
+        [-917.0, 836.0, 8673.0],
+        [214.0, -605.0, 7306.0],
+    ];
+    let layout = shipped("published/eflesh-pad");
+    let field =
+        |place: &str| rows(&sandbox.run(&["field", &layout, &format!("--at={place},-17.66")]).stdout)[0].clone();
+    let errors_mt: Vec<f64> = (places.iter().zip(readings_ut))
+        .flat_map(|(place, read_ut)| {
+            let b = field(place);
+            (0..3).map(move |axis| 1e-3 * read_ut[axis] - 1e3 * b[3 + axis])
+        })
+        .collect();
+    let rms = (errors_mt.iter().map(|error| error * error).sum::<f64>() / 15.0).sqrt();
+    let largest = errors_mt.iter().fold(0.0_f64, |largest, error| largest.max(error.abs()));
+    assert!((1.09..1.15).contains(&rms) && (2.35..2.45).contains(&largest), "{rms} {largest} mT");
 }
 
 /// A preset gives every disc its errors as a whole. Errors of its size are refused.
