@@ -7,17 +7,19 @@ use crate::layout::{Layout, NamedTile};
 
 impl Layout {
     /// The layout of a film that was made: with its tiles as they are, in the same order, and the
-    /// depth to which they overlap allowed. Requirements and the brief apply to the film as
-    /// ordered, and are left out.
+    /// depth to which they overlap, or reach into iron, allowed. Requirements and the brief apply
+    /// to the film as ordered, and are left out.
     pub fn with_made_tiles(mut self, tiles: &[Tile]) -> Layout {
         for (named, tile) in self.tiles.iter_mut().zip(tiles) {
             if named.tile != *tile {
                 *named = as_written(named, tile);
             }
         }
-        let deepest_mm = overlaps(&self.bare_tiles()).map(|pair| pair.depth).fold(0.0, f64::max);
+        let bare = self.bare_tiles();
+        let deepest_mm = overlaps(&bare).map(|pair| pair.depth).fold(self.iron.depth_of(&bare), f64::max);
         if deepest_mm > self.overlap_mm {
             self.overlap_mm = rounded_up(deepest_mm);
+            self.iron = self.iron.with_allowed_depth(self.overlap_mm);
         }
         Layout { expectations: Expectations::default(), brief: None, ..self }
     }

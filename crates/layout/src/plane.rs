@@ -1,7 +1,7 @@
 //! `[[plane]]`: flat iron near the film.
 
 use glam::DVec3;
-use magsplice_magnet::{IronPlane, IronPlanes, IronPlanesFault};
+use magsplice_magnet::{IronPlane, IronPlanes, IronPlanesFault, Tile};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -67,10 +67,11 @@ pub(crate) fn written_permeability(mu_r: f64) -> Option<f64> {
 }
 
 impl PlaneTable {
-    /// The planes of a layout, or none after adding their faults. `tiles` are all its tiles.
+    /// The planes of a layout, or none after adding their faults. `tiles` are all its tiles, which
+    /// may reach by `overlap_mm` into the iron.
     pub(crate) fn resolve(
         tables: &[PlaneTable],
-        tiles: &[NamedTile],
+        (tiles, overlap_mm): (&[NamedTile], f64),
         place: &Place,
         faults: &mut Faults,
     ) -> IronPlanes {
@@ -93,7 +94,7 @@ impl PlaneTable {
             IronPlanes::default()
         };
         let planes = match IronPlanes::new(planes) {
-            Ok(planes) => planes,
+            Ok(planes) => planes.with_allowed_depth(overlap_mm),
             Err(fault) => {
                 let (IronPlanesFault::NotParallel(_, index)
                 | IronPlanesFault::Behind(_, index)
@@ -121,9 +122,17 @@ impl PlaneTable {
             }
             Err(behind) => {
                 let name = shown(&tiles[behind.tile].name);
+                let plane = &planes.planes()[behind.plane];
+                let corners = bare.iter().flat_map(Tile::corners_mm);
+                let is_reversed = corners.into_iter().all(|corner| plane.distance(corner) <= 0.0);
+                let remedy = match is_reversed {
+                    true => "all tiles are behind the plane: reverse normal, which points out of the iron",
+                    false => "move the plane or the tile; overlap_mm allows the depth, as for films as made",
+                };
+                let depth_mm = short(behind.depth);
                 at(
                     behind.plane,
-                    format!("tile \"{name}\" reaches {:.3e} mm into the iron, must be before it", behind.depth),
+                    format!("tile \"{name}\" reaches {depth_mm} mm into the iron, must be before it: {remedy}"),
                 )
             }
         }
@@ -188,6 +197,6 @@ mod tests {
         let in_volume = refused(&(volume.to_owned() + &plane(-4.0, "[0, 0, 1]")));
         assert!(in_volume.contains("plane 1: [volume] reaches 1 mm into the iron, must be before it"), "{in_volume}");
         let behind = refused(&plane(0.75, "[0, 0, -1]"));
-        assert!(behind.contains("line 8: plane 1: tile \"a\" reaches 2.500e-1 mm into the iron"), "{behind}");
+        assert!(behind.contains("line 8: plane 1: tile \"a\" reaches 0.25 mm into the iron"), "{behind}");
     }
 }

@@ -28,6 +28,14 @@ const MOST_REFLECTIONS: u32 = 128;
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct IronPlanes {
     planes: Vec<IronPlane>,
+    /// Depth by which tiles may reach into the iron.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "is_zero"))]
+    allowed_depth: f64,
+}
+
+#[cfg(feature = "serde")]
+fn is_zero(depth: &f64) -> bool {
+    *depth == 0.0
 }
 
 /// A rule that planes of iron break together, by their indices. Messages count planes from 1.
@@ -93,7 +101,7 @@ impl IronPlanes {
                 }
             }
         }
-        Ok(IronPlanes { planes })
+        Ok(IronPlanes { planes, allowed_depth: 0.0 })
     }
 
     /// Whether there is no iron.
@@ -109,7 +117,20 @@ impl IronPlanes {
     /// The same planes after a rigid motion. `placed` moves points, `turned` turns directions.
     pub fn after(&self, placed: impl Fn(DVec3) -> DVec3, turned: impl Fn(DVec3) -> DVec3) -> IronPlanes {
         let planes = self.planes.iter().map(|plane| plane.after(&placed, &turned)).collect();
-        IronPlanes { planes }
+        IronPlanes { planes, ..*self }
+    }
+
+    /// The same planes, into which tiles may reach by a depth, as tiles with errors on a plate do.
+    #[must_use]
+    pub fn with_allowed_depth(self, allowed_depth: f64) -> IronPlanes {
+        IronPlanes { allowed_depth, ..self }
+    }
+
+    /// How far tiles reach into the iron, 0 if they do not.
+    pub fn depth_of<'t>(&self, tiles: impl IntoIterator<Item = &'t Tile>) -> f64 {
+        let corners = tiles.into_iter().flat_map(Tile::corners_mm);
+        let depth = |corner: DVec3| self.planes.iter().map(move |plane| -plane.distance(corner)).fold(0.0, f64::max);
+        corners.map(depth).fold(0.0, f64::max)
     }
 
     /// The plane that a point is on or behind.
@@ -118,7 +139,7 @@ impl IronPlanes {
         self.planes.iter().position(|plane| plane.distance(point) <= 0.0)
     }
 
-    /// Checks that tiles are before all planes, up to round-off.
+    /// Checks that tiles are before all planes, up to round-off and the allowed depth.
     ///
     /// # Errors
     /// The first tile that is not.
@@ -129,7 +150,7 @@ impl IronPlanes {
                 let largest = corners.iter().fold(plane.point().abs(), |largest, corner| largest.max(corner.abs()));
                 let round_off = OVERLAP_ROUNDINGS * UNIT_ROUNDOFF * largest.element_sum();
                 let depth = corners.map(|corner| -plane.distance(corner)).into_iter().fold(f64::NEG_INFINITY, f64::max);
-                if depth > round_off {
+                if depth > round_off.max(self.allowed_depth) {
                     return Err(TileBehindPlane { tile: index, plane: number, depth });
                 }
             }

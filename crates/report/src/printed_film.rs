@@ -70,6 +70,11 @@ fn bill(list: &BillOfMaterials) -> PrintedTable<'static> {
              a bar, each with one kerf."
         );
     }
+    let has_turned_over = list.parts.iter().any(|item| !item.turned_over.is_empty());
+    if has_turned_over {
+        columns.push("of these upside down");
+        remark += " Pieces that lie upside down have J marked on the other side.";
+    }
     let digits = |value: f64| twelve_digits(value).to_string();
     let row = |item: &PartItem| {
         let angles = [item.direction_deg, item.tilt_deg];
@@ -83,6 +88,7 @@ fn bill(list: &BillOfMaterials) -> PrintedTable<'static> {
         ];
         row.extend([item.sheet_area_mm2, item.bar_length_mm].into_iter().flatten().map(digits));
         row.push(item.tiles.join(", "));
+        row.extend(has_turned_over.then(|| item.turned_over.join(", ")));
         row
     };
     let rows = list.parts.iter().map(row).collect();

@@ -89,7 +89,7 @@ fn tell_doubts(session: &Session, place: &str, readings: &FilmReadings, lines: &
         session.tell(&faults.remarks(place));
     }
     for remark in found.remarks() {
-        session.tell(&format!("{place}: {remark}\n"));
+        session.tell(&format!("{place}: {remark}"));
     }
 }
 

@@ -148,7 +148,7 @@ fn remark(session: &Session, found: &FilmExperiments) {
         let readings_t = found.all_steps().map(|step| &step.reading_t);
         let larger = session.layout.sensor.as_ref().and_then(|sensor| larger_range(sensor, readings_t));
         let larger = larger.unwrap_or_default();
-        session.tell(&format!("{layout}: at {steps} the flux density exceeds the range of the sensor{larger}\n"));
+        session.tell(&format!("{layout}: at {steps} the flux density exceeds the range of the sensor{larger}"));
     }
     let lost = count(&|step| step.by_field.is_none() && !step.is_saturated);
     if lost > 0 {

@@ -114,6 +114,7 @@ fn at_given(args: &FieldArgs, session: &Session, film: &Film) -> Result<(), Fail
         let p = error.point;
         (0, format!("point --at {},{},{} (mm): {cause}", p.x, p.y, p.z))
     })?;
+    tell_faces(session, film, &args.at);
     writer.finish(session, &args.layout)
 }
 
@@ -129,6 +130,9 @@ fn at_points(args: &FieldArgs, session: &Session, film: &Film, path: &Path) -> R
             let (line, p) = (lines[error.index], error.point);
             (line, format!("line {line}: {} mm: {cause}", point(p)))
         })?;
+        if done == 0 {
+            tell_faces(session, film, &points);
+        }
         done += points.len();
         if writer.format != TableFormat::Csv && done > points::MAX_HELD_POINTS {
             return Err(points::too_many_points(path));
@@ -137,6 +141,13 @@ fn at_points(args: &FieldArgs, session: &Session, film: &Film, path: &Path) -> R
         if !more {
             return writer.finish(session, path);
         }
+    }
+}
+
+/// Remarks on points that are nearly on faces.
+fn tell_faces(session: &Session, film: &Film, points_mm: &[DVec3]) {
+    if let Some(remark) = film.remark_on_faces(points_mm) {
+        session.tell(&remark);
     }
 }
 

@@ -124,7 +124,7 @@ pub(crate) fn run(args: &ReadArgs, quiet: bool) -> Result<(), Failure> {
         session.tell(&faults.remarks(args.readings.display()));
     }
     for remark in found.of_head.iter().flat_map(HeadFits::remarks).chain(found.hint.clone()) {
-        session.tell(&format!("{}: {remark}\n", args.readings.display()));
+        session.tell(&format!("{}: {remark}", args.readings.display()));
     }
     Ok(())
 }

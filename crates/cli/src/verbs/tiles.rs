@@ -83,12 +83,13 @@ const BETWEEN_NAMES: &str = ";";
 
 /// The cut list as CSV, one line for each part: its number, the number of pieces, sides in mm,
 /// strength in T, angles of the polarization in degrees, the tiles made of it; with a kerf the
-/// material.
+/// material; the tiles whose piece lies upside down.
 fn csv(list: &BillOfMaterials) -> String {
     let mut head = vec!["part", "count", "a_mm", "b_mm", "c_mm", "strength_t", "direction_deg", "tilt_deg", "tiles"];
     if list.kerf_mm.is_some() {
         head.extend(["sheet_area_mm2", "bar_length_mm"]);
     }
+    head.push("turned_over");
     let digits = |value: f64| twelve_digits(value).to_string();
     let row = |item: &PartItem| {
         let mut row = vec![item.part.to_string(), item.count.to_string()];
@@ -97,6 +98,7 @@ fn csv(list: &BillOfMaterials) -> String {
         row.extend([item.direction_deg, item.tilt_deg].map(|angle| angle.map_or(String::new(), digits)));
         row.push(item.tiles.join(BETWEEN_NAMES));
         row.extend([item.sheet_area_mm2, item.bar_length_mm].into_iter().flatten().map(digits));
+        row.push(item.turned_over.join(BETWEEN_NAMES));
         row
     };
     rows::csv(iter::once(head.into_iter().map(str::to_owned).collect()).chain(list.parts.iter().map(row)))
@@ -132,6 +134,12 @@ fn narrow_gaps(list: &BillOfMaterials) -> String {
 fn bill(list: &BillOfMaterials) -> String {
     let head = ["part", "pieces", "size, mm", "strength, T", "polarized from the first side", "such as"];
     let mut text = format!("bill of materials\n{}", rows::headed(head, list.parts.iter().map(part_row)));
+    for item in list.parts.iter().filter(|item| !item.turned_over.is_empty()) {
+        let (turned, count) = (item.turned_over.len(), item.count);
+        let words =
+            format!("part {}: {turned} of {count} pieces lie upside down: {}", item.part, item.turned_over.join(", "));
+        rows::prose(&mut text, &words);
+    }
     if let Some(kerf_mm) = list.kerf_mm {
         text += &material(&list.parts, kerf_mm);
     }

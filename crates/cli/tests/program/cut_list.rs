@@ -10,7 +10,7 @@ fn cut_list_has_sides_strength_and_angles_of_each_part() {
     let lines: Vec<&str> =
         said.stdout.lines().map(|line| line.split_once(';').map_or(line, |(first, _)| first)).collect();
     let known = [
-        "part,count,a_mm,b_mm,c_mm,strength_t,direction_deg,tilt_deg,tiles",
+        "part,count,a_mm,b_mm,c_mm,strength_t,direction_deg,tilt_deg,tiles,turned_over",
         "1,16,3.3,3.3,1,0.12,45,0,film-x2-y2",
         "2,24,3.3,1.7,1,0.12,0,0,film-x2-y3",
         "3,16,3.3,0.85,1,0.12,0,0,film-x1-y2",
@@ -23,7 +23,7 @@ fn cut_list_has_sides_strength_and_angles_of_each_part() {
         tile(0.0, "strength_t = 0.1\ndirection_deg = 39\ntilt_deg = 12.5") + &tile(9.0, "polarization_t = [0, 0, 0]");
     sandbox.write("film.toml", &format!("format = 1\nname = \"film\"\n{tiles}"));
     let said = sandbox.run(&["tiles", "film.toml", "--format", "csv"]);
-    assert!(said.stdout.contains("1,1,3,2,1,0.1,39,12.5,tile-1\n2,1,3,2,1,0,,,tile-2\n"), "{}", said.stdout);
+    assert!(said.stdout.contains("1,1,3,2,1,0.1,39,12.5,tile-1,\n2,1,3,2,1,0,,,tile-2,\n"), "{}", said.stdout);
     let bill = sandbox.run(&["tiles", "film.toml"]).stdout;
     assert!(bill.contains("39 deg, 12.5 deg out of plane") && bill.contains("not polarized"), "{bill}");
 }
@@ -139,7 +139,7 @@ fn cut_list_and_drawing_have_the_digits_that_a_person_would_write() {
     let tiles = tile(0.0, "[2.1, 1.1, 1]") + &tile(4.1, "[0.2, 1, 1]");
     sandbox.write("film.toml", &format!("format = 1\nname = \"film\"\n{tiles}"));
     let csv = sandbox.run(&["tiles", "film.toml", "--format", "csv", "--kerf-mm", "0.1"]).stdout;
-    assert!(csv.contains(",2.64,2.2\n"), "{csv}");
+    assert!(csv.contains(",2.64,2.2,\n"), "{csv}");
     let drawing = sandbox.run(&["export", "film.toml", "--to", "dxf"]).stdout;
     assert!(drawing.contains("\n10\n4.0\n"), "{drawing}");
     for number in csv.split(['\n', ',']).chain(drawing.lines()).filter(|cell| cell.parse::<f64>().is_ok()) {
@@ -217,4 +217,21 @@ fn splice_rounds_to_the_resolution_asked_for() {
     sandbox
         .run(&[&common[..], &["--resolution", "0", "--resolution-deg", "-1"]].concat())
         .refuses("resolution: 0 mm, must be a finite number greater than 0");
+}
+
+/// Two pieces of one part with J at 45 and -45 degrees: one lies upside down.
+#[test]
+fn pieces_that_lie_upside_down_are_listed() {
+    let sandbox = Sandbox::new();
+    let tile = |name: &str, x: i32, y: &str| {
+        format!(
+            "[[tile]]\nname = \"{name}\"\nposition_mm = [{x}, 0, 0.6]\nsize_mm = [4, 2, 1.2]\npolarization_t = [0.1, {y}, 0]\n"
+        )
+    };
+    let tiles = tile("a", 0, "0.1") + &tile("b", 5, "-0.1") + &tile("c", 10, "0.1");
+    sandbox.write("film.toml", &format!("format = 1\nname = \"three\"\n{tiles}"));
+    let said = sandbox.run(&["tiles", "film.toml"]);
+    assert!(said.stdout.contains("part 1: 1 of 3 pieces lie upside down: b"), "{}", said.stdout);
+    let csv = sandbox.run(&["tiles", "film.toml", "--format", "csv"]).stdout;
+    assert!(csv.lines().nth(1).expect("a part").ends_with(",a;b;c,b"), "{csv}");
 }

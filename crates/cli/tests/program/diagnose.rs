@@ -394,3 +394,18 @@ fn layouts_state_how_much_tiles_may_overlap() {
     assert_eq!(code, 2);
     assert!(message.contains("overlap_mm = -1, must be a finite number of at least 0"), "{message}");
 }
+
+/// The example of docs/making.md.
+#[test]
+fn scan_of_the_docs_shows_its_three_faulty_tiles() {
+    let sandbox = Sandbox::new();
+    let published = std::fs::read_to_string(crate::shipped("published-film")).expect("readable");
+    sandbox.write("film.toml", &published.replace("[sensor]\npart = \"MLX90393\"\n", ""));
+    let docs = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs");
+    let scan = docs.join("scan-of-faulty-tiles.csv").display().to_string();
+    let said = sandbox.run(&["diagnose", "film.toml", "--scan", &scan, "--noise", "10uT"]);
+    let page = std::fs::read_to_string(docs.join("making.md")).expect("readable");
+    let start = page.find("    3 errors:\n").expect("the result");
+    let printed = page[start..].split("\n\n").next().expect("its lines").replace("\n    ", "\n");
+    assert!(said.stdout.contains(printed.trim_start()), "{}{}", said.stdout, said.stderr);
+}

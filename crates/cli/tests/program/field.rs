@@ -150,3 +150,15 @@ fn points_on_the_command_line() {
     }
     sandbox.run(&["field", &film, "--at", "0,0,-4", "--points", "points.csv"]).refuses_arguments("cannot be used with");
 }
+
+/// A point on the edge of a tile whose face has round-off: 2.5 - 1.65 is not 0.85.
+#[test]
+fn points_that_are_nearly_on_faces_are_remarked_on() {
+    let sandbox = Sandbox::new();
+    let film = sandbox.published_with("");
+    let remarked = |at: &str| sandbox.run(&["field", &film, &format!("--at={at}")]).stderr;
+    let named = "1 point is on a face or an edge of a tile but for round-off, such as (0.85, 1, 0.2) mm of \"film-x";
+    assert!(remarked("0.85,1,0.2").contains(named), "{}", remarked("0.85,1,0.2"));
+    assert_eq!(remarked("0.8500001,1,0.2"), "");
+    assert_eq!(remarked("0,0,-4"), "");
+}

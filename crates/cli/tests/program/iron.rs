@@ -64,7 +64,9 @@ fn work_without_iron_is_refused() {
     sandbox.run(&["export", "film.toml", "--to", "magpylib"]).refuses("magpylib has no field of iron");
     let published = std::fs::read_to_string(shipped("published-film")).expect("readable");
     sandbox.write("inside.toml", &format!("{published}\n[[plane]]\npoint_mm = [0, 0, 0.5]\nnormal = [0, 0, -1]\n"));
-    sandbox.run(&["check", "inside.toml"]).refuses("reaches 5.000e-1 mm into the iron, must be before it");
+    sandbox
+        .run(&["check", "inside.toml"])
+        .refuses("reaches 0.5 mm into the iron, must be before it: move the plane or the tile");
 }
 
 /// Films as made beside iron: a sample without errors is the film of the layout, a sampled scan has
@@ -197,4 +199,26 @@ fn recoil_before_iron_is_that_of_the_images_as_magnets() {
     for (with_plane, with_image) in b_t("plane.toml").into_iter().zip(b_t("image.toml")) {
         assert!((with_plane / with_image - 1.0).abs() < 1e-3, "{with_plane} {with_image}");
     }
+}
+
+/// Tiles of a film glued on iron reach into it in samples and in a diagnosis. Both are written with
+/// the depth allowed, and `tolerance` reports the depth.
+#[test]
+fn films_as_made_on_iron_are_written() {
+    let sandbox = Sandbox::new();
+    let published = std::fs::read_to_string(shipped("published-film")).expect("readable");
+    let plate = "[[plane]]\npoint_mm = [0, 0, 1]\nnormal = [0, 0, -1]\n";
+    sandbox.write("film.toml", &format!("{published}\n{plate}[tolerance]\nposition_mm = 0.03\nsamples = 20\n"));
+    let said = sandbox.run(&["tolerance", "film.toml"]);
+    assert!(said.stdout.contains("tiles of the first samples reach up to 0.1"), "{}", said.stdout);
+    let sample = ["tolerance", "sample", "film.toml", "--scan", "scan.csv", "-o", "made.toml"];
+    let said = sandbox.run(&sample);
+    assert_eq!(said.status, 0, "{}", said.stderr);
+    assert_eq!(sandbox.run(&["field", "made.toml", "--at", "0,0,-4"]).status, 0);
+    let said = sandbox.run(&["diagnose", "film.toml", "--scan", "scan.csv", "-o", "found.toml"]);
+    assert_eq!(said.status, 0, "{}", said.stderr);
+    assert!(sandbox.read("made.toml").contains("overlap_mm = 0."), "{}", &sandbox.read("made.toml")[..300]);
+    let reversed = plate.replace("-1]", "1]");
+    sandbox.write("reversed.toml", &format!("{published}\n{reversed}"));
+    sandbox.run(&["check", "reversed.toml"]).refuses("all tiles are behind the plane: reverse normal");
 }

@@ -207,7 +207,7 @@ fn resolve(file: LayoutFile, place: &Place, text: &str, source: &Source) -> Resu
         FileTiles::resolve(&file.kind, &file.tile, &file.lattice, place, &mut faults);
     let slice_errors = volume.iter().flat_map(|volume| file.lattice.iter().filter_map(|of| of.slice_error(volume)));
     let slice_error = slice_errors.reduce(f64::max);
-    let iron = PlaneTable::resolve(&file.plane, &tiles, place.key("plane"), &mut faults);
+    let iron = PlaneTable::resolve(&file.plane, (&tiles, overlap_mm), place.key("plane"), &mut faults);
     let tolerance = file.tolerance.filter(|_| !source.is_neighbour).and_then(|table| {
         let is_complete = faults.count() == before_tiles;
         let kinds = file.kind.keys().collect();

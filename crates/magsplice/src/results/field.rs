@@ -1,12 +1,57 @@
 //! The field at points.
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DQuat, DVec3};
 use magsplice_field::Scene;
-use magsplice_magnet::{PointErrors, Quantity};
+use magsplice_magnet::{PointErrors, Quantity, Tile};
 use serde::Serialize;
 
 use super::source::Source;
 use super::table::ColumnQuantity;
+use crate::film::Film;
+
+/// Units of round-off of coordinates up to which a point is on a face but for round-off: sums of
+/// decimal numbers differ by a few.
+const FACE_ROUNDINGS: f64 = 16.0;
+
+/// Most pairs of a point and a tile that are searched for points on faces: a tenth of a second.
+const MOST_PAIRS: usize = 10_000_000;
+
+impl Film {
+    /// Words for points that are on a face or an edge of a tile but for round-off, where B jumps or
+    /// is unbounded. `None` without such points. Of many points, the first are searched.
+    pub fn remark_on_faces(&self, points_mm: &[DVec3]) -> Option<String> {
+        let tiles = &self.layout().tiles;
+        let searched = points_mm.iter().take(MOST_PAIRS / tiles.len().max(1));
+        let at_face =
+            |point: &DVec3| Some((*point, tiles.iter().find(|named| is_nearly_on_face(&named.tile, *point))?));
+        let mut found = searched.filter_map(at_face);
+        let (point, named) = found.next()?;
+        let points = match found.count() {
+            0 => "1 point is".to_owned(),
+            others => format!("{} points are", others + 1),
+        };
+        Some(format!(
+            "{points} on a face or an edge of a tile but for round-off, such as ({}, {}, {}) mm of \"{}\": B there is that \
+             of either side of the face, and near an edge it has no limit; move the point by 1e-9 mm",
+            point.x, point.y, point.z, named.name
+        ))
+    }
+}
+
+/// Whether a point is on a face of a tile but for round-off, and not exactly.
+fn is_nearly_on_face(tile: &Tile, point: DVec3) -> bool {
+    let (position, half) = (tile.position(), 0.5 * tile.size());
+    let local = tile.rotation().inverse() * (point - position);
+    let from_face = local.abs() - half;
+    let largest = point.abs().max(position.abs()).max(half).max_element();
+    let round_off = FACE_ROUNDINGS * f64::EPSILON * largest;
+    let is_face = |axis: usize| {
+        let is_exact = tile.rotation() == DQuat::IDENTITY
+            && [-half[axis], half[axis]].iter().any(|side| position[axis] + side == point[axis]);
+        from_face[axis].abs() <= round_off && !is_exact
+    };
+    from_face.max_element() <= round_off && (0..3).any(is_face)
+}
 
 /// A field at points, whose values are in the columns of a table.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use crate::film::Film;
 use crate::film_error::FilmError;
+use crate::results::at_limit::larger_range;
 
 /// Bytes for each point: the point and the reading of each sensor, each twice while they are
 /// evaluated.
@@ -13,7 +14,7 @@ const BYTES_PER_POINT: f64 = 48.0;
 
 /// The points of the working volume at which a reading is at the limit of the sensor's range, or
 /// would be beyond it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct OutOfRange {
     /// Number of these points.
     pub points: usize,
@@ -28,6 +29,9 @@ pub struct OutOfRange {
     /// The number of the sensor of a head that this is, from 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sensor: Option<usize>,
+    /// The setting of the part that holds all readings, with its range, as the end of a sentence.
+    #[serde(skip)]
+    pub setting: Option<String>,
 }
 
 impl Film {
@@ -62,11 +66,15 @@ impl Film {
                 largest_t: largest[axis.index()],
                 range_t: sensor.range_t[axis.index()],
                 sensor: head.map(|_| number + 1),
+                setting: None,
             })
         };
         let excess = |of: &OutOfRange| of.largest_t / of.range_t;
         let all = sensors.iter().zip(&readings).enumerate().flat_map(of_sensor);
-        Ok(all.max_by(|a, b| excess(a).total_cmp(&excess(b))).filter(|_| beyond > 0))
+        let worst = all.max_by(|a, b| excess(a).total_cmp(&excess(b))).filter(|_| beyond > 0);
+        let stated = self.layout().sensor.as_ref().filter(|_| head.is_none());
+        let setting = stated.and_then(|sensor| larger_range(sensor, readings.iter().flatten()));
+        Ok(worst.map(|worst| OutOfRange { setting, ..worst }))
     }
 }
 

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use magsplice_layout::{Layout, Part, PlainLayout};
+use magsplice_making::Orientation;
 use serde::Serialize;
 
 /// Largest kerf in millimetres. No saw removes more, and areas stay within the range of numbers.
@@ -43,6 +44,8 @@ pub struct PartItem {
     pub tilt_deg: Option<f64>,
     /// Names of the tiles that are made of the part, in the order of the layout.
     pub tiles: Vec<String>,
+    /// Names of those of them whose piece lies upside down, with the upper side of the others down.
+    pub turned_over: Vec<String>,
     /// Area of a sheet, as thick as the third side, for all pieces. Each piece takes its first two
     /// sides with one kerf each.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -77,6 +80,11 @@ impl<'a> BillOfMaterials<'a> {
 impl PartItem {
     fn new(layout: &Layout, number: usize, part: Part, kerf_mm: Option<f64>) -> PartItem {
         let (angles, count, size) = (part.angles_deg(), part.count as f64, part.size_mm);
+        let name = |tile: &usize| layout.tiles[*tile].name.clone();
+        let is_turned_over = |tile: &&usize| {
+            let orientation = Orientation::between(part.direction, size, &layout.tiles[**tile].tile);
+            orientation.is_some_and(|orientation| !orientation.keeps_upper_side())
+        };
         PartItem {
             part: number,
             count: part.count,
@@ -84,7 +92,8 @@ impl PartItem {
             strength_t: part.strength_t,
             direction_deg: angles.map(|[direction, _]| direction),
             tilt_deg: angles.map(|[_, tilt]| tilt),
-            tiles: part.tiles.iter().map(|&tile| layout.tiles[tile].name.clone()).collect(),
+            tiles: part.tiles.iter().map(name).collect(),
+            turned_over: part.tiles.iter().filter(is_turned_over).map(name).collect(),
             sheet_area_mm2: kerf_mm.map(|kerf| count * (size.x + kerf) * (size.y + kerf)),
             bar_length_mm: kerf_mm.map(|kerf| count * (size.x + kerf)),
             indices: part.tiles,

@@ -67,6 +67,11 @@ pub struct SampledFilm {
     /// millimetres; 0 without overlaps. Errors of neighbours are independent, but placed tiles push
     /// each other aside. `None` for sorted tiles.
     pub overlap_mm: Option<f64>,
+    /// Depth to which tiles reach into iron that moves with the film in the first 20 samples,
+    /// beyond what the layout allows, in millimetres: placed tiles cannot. `None` without iron, and
+    /// for sorted tiles.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub in_iron_mm: Option<f64>,
     /// The share of the samples that keep all bounds of `[expect.made]`. `None` without bounds.
     /// Bounds of `[expect]` are for the film as ordered, and no sample is compared with them.
     pub yield_made: Option<Estimate>,
@@ -158,24 +163,29 @@ impl FilmSampling {
         let sampled =
             |figure| Some(SampledFigure { nominal: *nominal.get(figure)?, statistics: *statistics.get(figure)? });
         let made = &self.film.layout().expectations.made;
-        let overlap_mm = sorting.is_none().then(|| self.overlap_mm(&run));
+        let depths_mm = sorting.is_none().then(|| self.depths_mm(&run));
         Ok(SampledFilm {
             source: Source::of(&self.film),
             run,
             sorting,
             figures: Figures::from_fn(sampled).expect("only a uniformity is undefined"),
-            overlap_mm,
+            overlap_mm: depths_mm.map(|[overlap_mm, _]| overlap_mm),
+            in_iron_mm: depths_mm.map(|[_, in_iron_mm]| in_iron_mm).filter(|_| !self.film.layout().iron.is_empty()),
             yield_made: made.as_ref().and_then(|made| keeping(&made.bounds, samples)),
         })
     }
 
-    /// The largest depth to which tiles overlap in the first samples of a run.
-    fn overlap_mm(&self, run: &SampleRun) -> f64 {
+    /// The largest depths to which tiles overlap, and reach into iron, in the first samples of a
+    /// run.
+    fn depths_mm(&self, run: &SampleRun) -> [f64; 2] {
+        let layout = self.film.layout();
         let made = run.range().take(SEARCHED_FOR_OVERLAPS as usize).filter_map(|n| self.real.sample(run.seed, n).ok());
-        let deepest_mm = made
-            .flat_map(|sample| overlaps(sample.tiles()).map(|pair| pair.depth).collect::<Vec<_>>())
-            .fold(0.0, f64::max);
-        if deepest_mm > self.film.layout().overlap_mm.max(LEAST_OVERLAP_MM) { deepest_mm } else { 0.0 }
+        let deepest = made.fold([0.0_f64; 2], |[overlap, in_iron], sample| {
+            let of_pairs = overlaps(sample.tiles()).map(|pair| pair.depth).fold(overlap, f64::max);
+            [of_pairs, in_iron.max(layout.iron.depth_of(sample.tiles()))]
+        });
+        let allowed_mm = layout.overlap_mm.max(LEAST_OVERLAP_MM);
+        deepest.map(|depth_mm| if depth_mm > allowed_mm { depth_mm } else { 0.0 })
     }
 
     fn sampler_of<'s>(&'s self, film: &'s RealFilm, seed: u64) -> Result<Sampler<'s>, FilmError> {

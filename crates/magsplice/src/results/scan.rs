@@ -361,7 +361,7 @@ impl FilmScan {
         });
         let outliers = match self.excluded.outliers.is_empty() {
             true => "",
-            false => "; the outliers may be readings near such tiles, to be diagnosed and not left out",
+            false => "; the excluded readings may be near faulty tiles, which `diagnose` finds",
         };
         let residual = self.excessive_residual().map(|ratio| {
             format!(
@@ -375,9 +375,8 @@ impl FilmScan {
         let held = self.height_of_strength_mm.map(|height_mm| {
             format!(
                 "the strength is not fitted, and the deviations do not contain errors of the tiles, which look like another \
-                 strength, height, rotation and offset: each 10 % of strength is about {height_mm:.2} mm of height; a diagnosis with \
-                 the expected errors of the tiles, such as those of a preset, fits all from readings near the film and \
-                 states their deviations"
+                 strength, height, rotation and offset: each 10 % of strength is about {height_mm:.2} mm of height. From \
+                 readings near the film, `diagnose --fit --preset workshop`, or with another preset, fits all together"
             )
         });
         let share = self.residual_t / self.reading_t;

@@ -113,7 +113,7 @@ impl TileSearch<'_> {
         let at_start = ScanParameters { start: DVec3::ZERO, ..start };
         let model = ScanDiagnosis::new(self.tiles, scan, settings, at_start).map_err(failed)?;
         let show = |found: usize| {
-            self.film.tell(Stage { name: "faulty tiles", done: found, of: None, unit: "errors identified" });
+            self.film.tell(Stage { name: "faulty tiles", done: found, of: None, unit: "identified" });
         };
         let mut diagnosis = model.diagnose(self.field_t, show).map_err(failed)?;
         diagnosis.scan.start += start.start;

@@ -28,6 +28,7 @@ class Part(Result):
         polarization."""
     )
     tiles: list[str] = key("Names of its tiles.")
+    turned_over: list[str] = key("Names of those of them whose piece lies upside down.")
     sheet_area_mm2: float | None = key(
         """Area of a sheet as thick as the third side, for all pieces with one kerf along each of
         the first two sides, in square millimetres; None without a kerf."""
@@ -53,7 +54,7 @@ class Parts(Result, Table):
         # The names of the tiles are in the table.
         parts = [{**part, "tiles": part["count"]} for part in self.to_dict()["parts"]]
         for part in parts:
-            del part["count"]
+            del part["count"], part["turned_over"]
         yield from lines({**shown, "parts": parts})
 
     def columns(self) -> dict[str, Column]:
@@ -79,4 +80,5 @@ class Parts(Result, Table):
             **angles,
             "tiles": [";".join(part.tiles) for part in self.parts],
             **material,
+            "turned_over": [";".join(part.turned_over) for part in self.parts],
         }

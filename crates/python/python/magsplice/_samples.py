@@ -32,6 +32,10 @@ class SampledFilm(OfFilm, Figures[SampledFigure]):
         """Depth to which tiles overlap in the first 20 samples, in millimetres, because the errors
         of neighbours are independent. 0 without overlaps; None for sorted tiles."""
     )
+    in_iron_mm: float | None = key(
+        """Depth to which tiles reach into the iron of the layout in the first 20 samples, in
+        millimetres; placed tiles cannot. 0 if they do not; None without iron."""
+    )
     yield_made: Estimate | None = key(
         "Share that keeps ``[expect.made]``; None without bounds.", Estimate
     )

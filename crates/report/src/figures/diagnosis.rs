@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use glam::{DVec2, DVec3};
 use magsplice::layout::{Layout, NamedTile};
-use magsplice::results::FilmDiagnosis;
+use magsplice::results::{FaultyTile, FilmDiagnosis};
 use magsplice::scan::{DetectedError, ErrorKind};
 use plotters::prelude::RGBColor;
 
@@ -15,7 +15,7 @@ use crate::error::{DrawError, ReportError};
 use crate::marks::arrow;
 use crate::panel::{AxisLabel, BAR_PX, BELOW_PX, Panel};
 use crate::sheet::{DrawResult, INK, LETTERS, Lettering, Sheet, sheet};
-use crate::typeset::{number, plain};
+use crate::typeset::plain;
 
 use super::film_panel::{film_axes, outline, two_panels};
 use super::tile_annotations::Rectangle;
@@ -32,6 +32,8 @@ const MOST_LINES: usize = 16;
 const SHIFT_PX: f64 = 30.0;
 /// Largest radius of the arc of a turn, in pixels.
 const MOST_ARC_PX: f64 = 11.0;
+/// Width of a letter over its size.
+const LETTER_WIDTH: f64 = 0.6;
 /// Angle that the arc of a turn covers, in radians.
 const ARC: f64 = 1.5 * PI;
 /// Purple of the palette of Okabe and Ito.
@@ -40,9 +42,11 @@ const PALE: RGBColor = RGBColor(240, 240, 240);
 const OUTLINE: RGBColor = RGBColor(150, 150, 150);
 
 /// The fault of a tile.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 struct DrawnFault {
     kind: ErrorKind,
+    /// What is wrong, as in the result.
+    words: String,
     /// Error of |J| as a fraction; rotation vector in degrees; angles of J in the plane of the film
     /// and out of it, in degrees; displacement in mm.
     components: DVec3,
@@ -60,8 +64,8 @@ struct DiagnosedTile<'a> {
     unresolved: f64,
 }
 
-impl From<&DetectedError> for DrawnFault {
-    fn from(detected: &DetectedError) -> DrawnFault {
+impl DrawnFault {
+    fn new(detected: &DetectedError, words: &str) -> DrawnFault {
         let kind = detected.candidate.kind;
         let mut components = DVec3::ZERO;
         for (axis, of) in detected.components.iter().enumerate() {
@@ -69,30 +73,18 @@ impl From<&DetectedError> for DrawnFault {
             components[axis] = if is_noise { 0.0 } else { of.value };
         }
         let is_angle = matches!(kind, ErrorKind::Turn | ErrorKind::Direction);
-        DrawnFault { kind, components: if is_angle { components.map(f64::to_degrees) } else { components } }
+        let words = words.to_owned();
+        DrawnFault { kind, words, components: if is_angle { components.map(f64::to_degrees) } else { components } }
     }
 }
 
 impl DrawnFault {
-    fn colour(self) -> RGBColor {
+    fn colour(&self) -> RGBColor {
         match self.kind {
             ErrorKind::Strength => GREEN,
             ErrorKind::Turn => VERMILION,
             ErrorKind::Direction => PURPLE,
             _ => BLUE,
-        }
-    }
-
-    /// In words, such as "turned by 3 degrees".
-    fn words(self) -> String {
-        let rounded = |value: f64, digits: usize| number(format!("{value:.digits$}").parse().unwrap_or(value));
-        let (error, size) = (self.components.x, self.components.length());
-        match self.kind {
-            ErrorKind::Strength if error < 0.0 => format!("{} % too weak", rounded(-100.0 * error, 1)),
-            ErrorKind::Strength => format!("{} % too strong", rounded(100.0 * error, 1)),
-            ErrorKind::Turn => format!("turned by {}\u{b0}", rounded(size, 1)),
-            ErrorKind::Direction => format!("J turned by {}\u{b0}", rounded(size, 1)),
-            _ => format!("displaced by {} mm", rounded(size, 3)),
         }
     }
 }
@@ -109,9 +101,11 @@ pub fn diagnosis_figure(layout: &Layout, found: &FilmDiagnosis) -> Result<Drawin
                    resolves nothing.";
     // Errors that are not reported are not drawn.
     let listed = if found.is_rejected { &[][..] } else { &found.diagnosis.detected };
+    let fault = |(of, reported): (&DetectedError, &FaultyTile)| DrawnFault::new(of, &reported.words);
+    let faults_of = |index: usize| listed.iter().zip(&found.faulty).filter(move |(of, _)| of.candidate.tile == index);
     let tile = |(index, tile)| DiagnosedTile {
         tile,
-        faults: listed.iter().filter(|of| of.candidate.tile == index).map(DrawnFault::from).collect(),
+        faults: faults_of(index).map(fault).collect(),
         unresolved: found.unresolved_share(layout, index),
     };
     let tiles: Vec<DiagnosedTile> = layout.tiles.iter().enumerate().map(tile).collect();
@@ -136,7 +130,7 @@ fn svg(tiles: &[DiagnosedTile], is_rejected: bool) -> Result<String, DrawError> 
         // Marks reach over neighbours, so they come last.
         for of in tiles {
             for fault in &of.faults {
-                mark(sheet, &left, of.tile, *fault)?;
+                mark(sheet, &left, of.tile, fault)?;
             }
         }
         film_axes(sheet, &left)?;
@@ -155,7 +149,8 @@ fn listed(tiles: &[DiagnosedTile], is_rejected: bool) -> Vec<(String, RGBColor)>
     let all: Vec<(String, RGBColor)> = tiles
         .iter()
         .flat_map(|of| {
-            let line = |fault: &DrawnFault| (format!("{}: {}", plain(&of.tile.name), fault.words()), fault.colour());
+            let line =
+                |fault: &DrawnFault| (format!("{}: {}", plain(&of.tile.name), plain(&fault.words)), fault.colour());
             of.faults.iter().map(line).collect::<Vec<_>>()
         })
         .collect();
@@ -171,7 +166,7 @@ fn listed(tiles: &[DiagnosedTile], is_rejected: bool) -> Vec<(String, RGBColor)>
 }
 
 /// The mark for the fault of a tile.
-fn mark(sheet: &Sheet, panel: &Panel, named: &NamedTile, fault: DrawnFault) -> DrawResult {
+fn mark(sheet: &Sheet, panel: &Panel, named: &NamedTile, fault: &DrawnFault) -> DrawResult {
     let outline = outline(panel, &named.tile);
     sheet.outline(&outline, fault.colour(), 2.0)?;
     let around = Rectangle::of_points(outline.into_iter().map(DVec2::from));
@@ -182,9 +177,12 @@ fn mark(sheet: &Sheet, panel: &Panel, named: &NamedTile, fault: DrawnFault) -> D
     match fault.kind {
         ErrorKind::Strength => {
             let sign = if error < 0.0 { "\u{2212}" } else { "+" };
-            let text = format!("{sign}{:.0}%", 100.0 * error.abs());
+            // A tile that has lost more than all of its strength is reversed.
+            let is_reversed = error < -1.0;
+            let text = if is_reversed { "reversed".to_owned() } else { format!("{sign}{:.0}%", 100.0 * error.abs()) };
             let upright = extent.x < extent.y && extent.x < 30.0;
-            let size = (0.7 * extent.min_element()).clamp(8.0, 12.0);
+            let along = extent.max_element() / (LETTER_WIDTH * text.chars().count() as f64);
+            let size = along.min(0.7 * extent.min_element()).clamp(6.0, 12.0);
             let letters = Lettering { upright, colour: fault.colour(), ..LETTERS.sized(size).centred() };
             sheet.text(middle.to_array(), &text, letters)
         }
@@ -223,7 +221,7 @@ fn pale(colour: RGBColor) -> RGBColor {
 fn csv(tiles: &[DiagnosedTile]) -> String {
     let mut csv = "name,faulty,unresolved\n".to_owned();
     for of in tiles {
-        let faults: Vec<String> = of.faults.iter().map(|fault| fault.words()).collect();
+        let faults: Vec<String> = of.faults.iter().map(|fault| fault.words.clone()).collect();
         csv += &format!("{},\"{}\",{:?}\n", quoted(&of.tile.name), faults.join("; "), of.unresolved);
     }
     csv

@@ -37,8 +37,9 @@ pub(super) fn summary(film: &Film, found: &FilmAssignment, path: Option<&Path>) 
     }
     let (median, near) = found.agreement();
     let starts = counted(found.starts_rms_mm.len(), "start", "starts");
-    let sentence =
-        format!("{near} of {starts} ended within 10 % of the best; their median is {median:.2} times the best");
+    let sentence = format!(
+        "{near} of {starts} ended within 10 % of the best; the median of all starts is {median:.2} times the best"
+    );
     rows::prose(&mut text, &sentence);
     for shim in &found.shims {
         rows::cell(&mut text, &format!("  strength of the shim {}, T", shim.place), &number(shim.strength_t));

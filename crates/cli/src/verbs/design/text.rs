@@ -139,13 +139,14 @@ fn in_option(change: SpliceChange) -> String {
 
 /// Where the field of a film leaves the range of its sensor.
 fn out_of_range(beyond: &OutOfRange) -> String {
-    let OutOfRange { points, of, axis, largest_t, range_t, sensor } = *beyond;
+    let OutOfRange { points, of, axis, largest_t, range_t, sensor, ref setting } = *beyond;
     let sensor = sensor.map_or("the sensor".to_owned(), |number| format!("sensor {number}"));
     format!(
         "the field leaves the range of {sensor} at {points} of {of} points: B_{axis} reaches {:.4} mT, the range is \
-         {} mT; weaker tiles, a greater distance or another sensor help",
+         {} mT{}; weaker tiles, a greater distance or another sensor help",
         in_mt(largest_t),
-        twelve_digits(in_mt(range_t))
+        twelve_digits(in_mt(range_t)),
+        setting.as_deref().unwrap_or_default()
     )
 }
 

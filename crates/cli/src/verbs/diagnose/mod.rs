@@ -168,7 +168,7 @@ pub(crate) fn run(args: &DiagnoseArgs, quiet: bool) -> Result<(), Failure> {
             }
             (None, false) => String::new(),
         };
-        session.tell(&format!("{}: {remark}{advice}\n", args.scan.display()));
+        session.tell(&format!("{}: {remark}{advice}", args.scan.display()));
     }
     if found.is_rejected && args.output.is_some() {
         let message = match found.made_as {

@@ -48,6 +48,9 @@ pub(super) fn diagnosis(film: &Film, scan: &Path, fit: FreeParameters, found: &F
         fitted(&mut text, fit, &found.scan, Some(&found.scan_deviation));
     }
     text.push('\n');
+    if found.is_rejected {
+        text.push_str("of the rejected errors\n");
+    }
     rows::cell(&mut text, "residual of a component, uT", &number(in_ut(found.residual_t)));
     excluded(&mut text, &found.excluded);
     rows::cell(&mut text, "chi squared over its expectation", &number(found.reduced_chi_squared()));
@@ -65,6 +68,9 @@ fn faulty_tiles(text: &mut String, found: &FilmDiagnosis) {
             (None, Some(_)) => "the scan was rather taken otherwise than stated, so no tile is reported\n",
             (None, None) => "errors of tiles do not explain the scan, so no tile is reported\n",
         });
+        if let Some(preset) = found.made_as {
+            let _ = writeln!(text, "    they are expected with --preset {}", preset.name());
+        }
         return;
     }
     let (used, all) = (found.readings - found.excluded.count(), found.readings);

@@ -88,7 +88,9 @@ pub(crate) fn run(args: &ScanArgs, quiet: bool) -> Result<(), Failure> {
         .scan(&points_mm, &readings_t, &lines, (!args.fit.is_empty()).then(|| FitArg::free(&args.fit)))
         .map_err(|error| match error {
             FilmError::Scan(error @ (ScanError::Misfit { .. } | ScanError::AnotherFilm { .. })) => {
-                Failure::at(&args.scan, format!("{error}; faulty tiles leave as much, and diagnose finds them"))
+                let states_errors = film.layout().tolerance.as_ref().is_some_and(|of| !of.tiles.is_empty());
+                let cause = if states_errors { "the errors of all tiles in [tolerance]" } else { "faulty tiles" };
+                Failure::at(&args.scan, format!("{error}. Near the film, {cause} leave as much: try diagnose"))
             }
             error => refused(&session, &args.scan, &lines, error),
         })?;
@@ -105,7 +107,7 @@ pub(crate) fn run(args: &ScanArgs, quiet: bool) -> Result<(), Failure> {
     let result = args.result.format.shown(&found, || text::scan(&film, &args.scan, &found));
     // Before the numbers that they qualify.
     for remark in found.remarks() {
-        session.tell(&format!("{}: {remark}\n", args.scan.display()));
+        session.tell(&format!("{}: {remark}", args.scan.display()));
     }
     session.write(output, &result)?;
     tell_excluded(&session, &args.scan, &lines, &found.exclusions, &found.residuals_t);

@@ -32,10 +32,17 @@ pub(crate) fn samples(film: &Film, result: &SampledFilm) -> String {
     }
     if let Some(depth_mm) = result.overlap_mm.filter(|depth_mm| *depth_mm > 0.0) {
         let overlap = format!(
-            "tiles of the first samples overlap by up to {depth_mm:.2} mm, because the errors of neighbours are \
-             independent: placed tiles push each other aside, unless each gap is larger by this depth"
+            "tiles of the first samples overlap by up to {depth_mm:.2} mm. Errors of neighbours are independent here; \
+             placed tiles push each other aside. Gaps that are larger by this depth avoid it"
         );
         rows::prose(&mut text, &overlap);
+    }
+    if let Some(depth_mm) = result.in_iron_mm.filter(|depth_mm| *depth_mm > 0.0) {
+        let in_iron = format!(
+            "tiles of the first samples reach up to {depth_mm:.2} mm into the iron. Tiles placed on a plate do not: give \
+             smaller errors of position_mm and rotation_deg across it, in [tolerance]"
+        );
+        rows::prose(&mut text, &in_iron);
     }
     text.push('\n');
     let names = ["", "nominal", "mean", "P50", "P95", "P99", "P95 is within"].map(str::to_owned);
