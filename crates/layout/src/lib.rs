@@ -38,6 +38,8 @@ mod assembled;
 mod brief;
 /// Decimal numbers with a unit.
 pub mod decimal;
+/// Errors of discs.
+mod disc_errors;
 /// `[elastomer]`: the elastic layer between film and sensor.
 mod elastomer;
 /// Errors of reading a layout.
@@ -107,6 +109,7 @@ mod written_as;
 
 pub use accuracy::{FLUX_DENSITY_UNITS, relative_tolerance, tolerance_of_text};
 pub use brief::{Brief, Goal, MinMax, Outline, StockPart, Symmetry, Under, Variable};
+pub use disc_errors::DiscErrorsFault;
 pub use elastomer::Elastomer;
 pub use error::{LayoutError, LayoutFault};
 pub use expectations::{Expectations, ExpectedField, FigureBounds, MadeExpectations};
@@ -130,8 +133,8 @@ pub use rotation::{EulerOrder, InvalidEulerOrder, ORTHOGONALITY_TOLERANCE, Rotat
 pub use sensor::StatedSensor;
 pub use sensor_part::PartSetting;
 pub use tolerance::{
-    CommonErrors, DiscErrorsFault, Distribution, ErrorGroup, FilmPose, FilmTolerance, NearIron, Neighbour, Preset,
-    SensorErrors, StrayField, Temperature, TileErrors,
+    CommonErrors, Distribution, ErrorGroup, FilmPose, FilmTolerance, NearIron, Neighbour, Preset, SensorErrors,
+    StrayField, Temperature, TileErrors,
 };
 pub use units::{direction_from_degrees, ten_decimals};
 pub use volume::WorkingVolume;

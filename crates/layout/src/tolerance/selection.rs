@@ -4,11 +4,11 @@ use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 use glam::DVec3;
 
+use crate::disc_errors::discs;
 use crate::faults::TableFaults;
 use crate::layout::NamedTile;
 use crate::limits::{MAX_LISTED, MAX_NAME_TRIALS};
 use crate::names::{did_you_mean, shown};
-use crate::tolerance::discs;
 
 /// Names among which the one that was probably meant is searched: comparing names takes long.
 const COMPARED_NAMES: usize = 2000;

@@ -107,7 +107,7 @@ fn location(checked: &CheckedExpectation) -> String {
         return format!("tile \"{tile}\"");
     }
     if let Some(CheckedPercentile { per_cent, value, samples }) = checked.percentile {
-        return format!("confidence limit of P{per_cent}, which is {} in {samples} films", number(value));
+        return format!("P{per_cent} of {samples} films is {}; the value is its confidence limit", number(value));
     }
     if checked.expectation == Expectation::Figure(Figure::Amplitude)
         && checked.value.is_some_and(|amplitude| amplitude < 0.0)

@@ -1,0 +1,15 @@
+//! The evaluation of a layout in a page.
+//!
+//! The module has one buffer. A page reserves room for a request ([`buffer::reserve`]), writes JSON
+//! there, calls [`buffer::answer`], and reads JSON from [`buffer::address`]. Requests are
+//! [`Request`], answers are `{"ok": ...}` or `{"error": "..."}`. Nothing else crosses the border:
+//! the module imports nothing.
+//!
+//! The numbers are results of the crate `magsplice`, serialized as by the program.
+
+/// The buffer, and the functions that a page calls.
+pub mod buffer;
+/// A layout that is edited and evaluated.
+mod session;
+
+pub use session::{Request, Session, TileEdit};
