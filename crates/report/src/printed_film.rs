@@ -70,9 +70,7 @@ fn bill(list: &BillOfMaterials) -> PrintedTable<'static> {
              a bar, each with one kerf."
         );
     }
-    let has_turned_over = list.parts.iter().any(|item| !item.turned_over.is_empty());
-    if has_turned_over {
-        columns.push("of these upside down");
+    if list.parts.iter().any(|item| !item.turned_over.is_empty()) {
         remark += " Pieces that lie upside down have J marked on the other side.";
     }
     let digits = |value: f64| twelve_digits(value).to_string();
@@ -87,8 +85,11 @@ fn bill(list: &BillOfMaterials) -> PrintedTable<'static> {
             angles[1].map_or(String::new(), digits),
         ];
         row.extend([item.sheet_area_mm2, item.bar_length_mm].into_iter().flatten().map(digits));
-        row.push(item.tiles.join(", "));
-        row.extend(has_turned_over.then(|| item.turned_over.join(", ")));
+        let mut tiles = item.tiles.join(", ");
+        if !item.turned_over.is_empty() {
+            tiles += &format!("; upside down: {}", item.turned_over.join(", "));
+        }
+        row.push(tiles);
         row
     };
     let rows = list.parts.iter().map(row).collect();
