@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use clap::{Args, ValueEnum};
-use magsplice::layout::{self, FilmTolerance, Layout};
+use magsplice::layout::{self, CommonErrors, FilmTolerance, Layout};
 
 use crate::failure::Failure;
 
@@ -40,15 +40,24 @@ impl From<Preset> for layout::Preset {
 
 impl PresetArgs {
     /// Gives the tiles of a layout the errors of the preset, and no others. Samples and seed stay.
+    /// Returns a remark on tables that then do not count.
     ///
     /// # Errors
     /// For discs and a preset with errors of sizes. `file` is the file of the layout.
-    pub(crate) fn apply(&self, layout: &mut Layout, file: &Path) -> Result<(), Failure> {
-        let Some(preset) = self.preset.map(layout::Preset::from) else { return Ok(()) };
-        let FilmTolerance { samples, seed, .. } = layout.tolerance.take().unwrap_or_default();
+    pub(crate) fn apply(&self, layout: &mut Layout, file: &Path) -> Result<Option<String>, Failure> {
+        let Some(preset) = self.preset.map(layout::Preset::from) else { return Ok(None) };
+        let FilmTolerance { samples, seed, common, groups, .. } = layout.tolerance.take().unwrap_or_default();
         let errors = FilmTolerance::of_film(&preset.errors(), &layout.tiles);
         let errors = errors.map_err(|fault| Failure::at(file, fault))?;
         layout.tolerance = Some(FilmTolerance { samples, seed, ..errors });
-        Ok(())
+        let replaced = common != CommonErrors::default() || !groups.is_empty();
+        Ok(replaced.then(|| {
+            format!(
+                "{}: --preset replaces [tolerance] with its tables of groups, surroundings and sensor: to keep them, write \
+                 preset = \"{}\" in [tolerance]",
+                file.display(),
+                preset.name()
+            )
+        }))
     }
 }

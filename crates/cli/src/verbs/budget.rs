@@ -55,7 +55,8 @@ pub(crate) struct BudgetArgs {
 
 pub(crate) fn run(args: &BudgetArgs, quiet: bool) -> Result<(), Failure> {
     let mut session = Session::open(&args.layout, remarks::OF_COMPARISONS, quiet)?;
-    args.preset.apply(Arc::make_mut(&mut session.layout), &args.layout)?;
+    let remark = args.preset.apply(Arc::make_mut(&mut session.layout), &args.layout)?;
+    remark.iter().for_each(|remark| session.tell(remark));
     require_errors(&session)?;
     let film = session.film()?;
     let output = session.output(args.result.output.as_deref(), [])?;

@@ -199,7 +199,7 @@ fn preset_stands_for_the_table_of_the_layout() {
     let sandbox = Sandbox::new();
     let result = |arguments: &[&str]| {
         let said = sandbox.run(&[arguments, &["--format", "json", "--samples", "40"]].concat());
-        assert_eq!((said.status, said.stderr.as_str()), (0, ""));
+        assert_eq!(said.status, 0, "{}", said.stderr);
         let mut result = json(&said.stdout);
         // The hash is that of the file.
         result["sha256"].take();
@@ -374,4 +374,17 @@ fn budget_divides_the_error_into_its_causes() {
             .run(&["budget", "film.toml", "--figure", "b.tiff"])
             .refuses("b.tiff: no format has the ending .tiff: use one of .svg, .png, .pdf, such as b.svg");
     }
+}
+
+/// Tables of `[tolerance]` that `--preset` replaces are named.
+#[test]
+fn presets_name_the_tables_that_they_replace() {
+    let sandbox = Sandbox::new();
+    let film = sandbox.published_with("[tolerance]\nsamples = 10\n[tolerance.sensor]\noffset_ut = 30\n");
+    let with = |options: &[&str]| sandbox.run(&[&["tolerance", &film][..], options].concat()).stderr;
+    assert!(with(&["--preset", "workshop"]).contains("--preset replaces [tolerance] with its tables of groups"));
+    assert!(!with(&[]).contains("--preset"));
+    let plain = sandbox.published_with("[tolerance]\nsamples = 10\nposition_mm = 0.1\n");
+    let said = sandbox.run(&["tolerance", &plain, "--preset", "workshop"]);
+    assert!(!said.stderr.contains("--preset replaces"), "{}", said.stderr);
 }

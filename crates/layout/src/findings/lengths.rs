@@ -64,13 +64,14 @@ fn about_tiles(tiles: &[NamedTile]) -> Option<Finding> {
     })
 }
 
-/// The scatter of the lower faces below a height, as in a film as made: three standard deviations.
-fn scatter_mm(tiles: &[NamedTile], below_mm: f64) -> f64 {
+/// The mean of the lower faces below a height, and three standard deviations, which those of a film
+/// as made have.
+fn lower_faces_mm(tiles: &[NamedTile], below_mm: f64) -> [f64; 2] {
     let faces: Vec<f64> =
         tiles.iter().map(|named| bounds(std::slice::from_ref(named)).lower.z).filter(|z| *z < below_mm).collect();
     let count = faces.len().max(1) as f64;
     let mean = faces.iter().sum::<f64>() / count;
-    3.0 * (faces.iter().map(|z| (z - mean).powi(2)).sum::<f64>() / count).sqrt()
+    [mean, 3.0 * (faces.iter().map(|z| (z - mean).powi(2)).sum::<f64>() / count).sqrt()]
 }
 
 /// Findings about the ideal film, and about tiles and volume that it cannot be compared with.
@@ -97,6 +98,7 @@ fn about_ideal_film(tiles: &[NamedTile], ideal: &IdealFilm, volume: Option<&Work
     let film = bounds(tiles);
     let size = film.upper - film.lower;
     let extent = size.x.max(size.y);
+    let [stands_at_mm, scatter_mm] = lower_faces_mm(tiles, film.lower.z + 0.5 * size.z);
     if extent < LEAST_FILM * wavelength {
         add(format!(
             "the film measures {} mm along {}, a small fraction of the wavelength of [ideal], {wavelength} mm: are its \
@@ -107,7 +109,7 @@ fn about_ideal_film(tiles: &[NamedTile], ideal: &IdealFilm, volume: Option<&Work
     } else if !is_thin && (size.z > MAX_HEIGHT_RATIO * thickness || size.z * MAX_HEIGHT_RATIO < thickness) {
         let height = short(size.z);
         add(format!("the tiles are {height} mm high and the film of [ideal] {thickness} mm: is one of them in m?"));
-    } else if film.lower.z.abs() > STANDS_WITHIN * wavelength + scatter_mm(tiles, film.lower.z + 0.5 * size.z) {
+    } else if stands_at_mm.abs() > STANDS_WITHIN * wavelength + scatter_mm {
         let [low, high] = [film.lower.z, film.upper.z].map(|z| decimals(z, 6));
         add(format!(
             "the film is at z = {low} .. {high} mm, and the ideal film fills 0 <= z <= {thickness} mm with the sensor \
@@ -115,7 +117,7 @@ fn about_ideal_film(tiles: &[NamedTile], ideal: &IdealFilm, volume: Option<&Work
             if film.upper.z <= STANDS_WITHIN * wavelength && volume.is_some_and(|v| v.lower_mm.z >= 0.0) {
                 "turn the film and the volume over, so that the film stands on z = 0".to_owned()
             } else {
-                format!("move the tiles and the volume by {} mm along z", decimals(-film.lower.z, 6))
+                format!("move the tiles and the volume by {} mm along z", decimals(-stands_at_mm, 6))
             }
         ));
     }

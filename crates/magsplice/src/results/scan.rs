@@ -102,6 +102,9 @@ pub struct FilmScan {
     /// Root mean square of a component of the readings without offset.
     #[serde(skip)]
     pub reading_t: f64,
+    /// Whether the layout states errors of its tiles, with which a diagnosis fits them.
+    #[serde(skip)]
+    pub states_errors: bool,
     /// Largest noise of the sensor of the layout; 0 without one.
     #[serde(skip)]
     pub sensor_noise_t: f64,
@@ -312,6 +315,7 @@ impl Film {
             is_across,
             turn,
             sensor_fault,
+            states_errors: self.layout().tolerance.as_ref().is_some_and(|of| !of.tiles.is_empty()),
             sensor_noise_t,
         })
     }
@@ -372,11 +376,15 @@ impl FilmScan {
                 if self.fit.strength { ": a fit of offset, rotation and start alone holds the strength" } else { "" }
             )
         });
+        let by = match self.states_errors {
+            true => "`diagnose --fit` fits all together",
+            false => "`diagnose --fit --preset workshop`, or with another preset, fits all together",
+        };
         let held = self.height_of_strength_mm.map(|height_mm| {
             format!(
                 "the strength is not fitted, and the deviations do not contain errors of the tiles, which look like another \
                  strength, height, rotation and offset: each 10 % of strength is about {height_mm:.2} mm of height. From \
-                 readings near the film, `diagnose --fit --preset workshop`, or with another preset, fits all together"
+                 readings near the film, {by}"
             )
         });
         let share = self.residual_t / self.reading_t;

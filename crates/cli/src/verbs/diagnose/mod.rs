@@ -105,10 +105,10 @@ pub(crate) fn run(args: &DiagnoseArgs, quiet: bool) -> Result<(), Failure> {
     let progress = ProgressLine::start_search(!quiet);
     let mut session = Session::begin(&args.layout, remarks::OF_TILES, quiet, progress)?;
     let original = session.layout.clone();
-    let layout = Arc::make_mut(&mut session.layout);
-    args.preset.apply(layout, &args.layout)?;
+    let remark = args.preset.apply(Arc::make_mut(&mut session.layout), &args.layout)?;
+    remark.iter().for_each(|remark| session.tell(remark));
     if args.as_ordered {
-        layout.tolerance = None;
+        Arc::make_mut(&mut session.layout).tolerance = None;
     }
     let found_file = args.output.as_deref().map(|path| session.output(Some(path), [&*args.scan])).transpose()?;
     #[cfg(feature = "report")]

@@ -133,7 +133,8 @@ pub(crate) fn run(args: &ToleranceArgs, quiet: bool) -> Result<u8, Failure> {
     }
     let path = args.layout.as_deref().unwrap_or(Path::new(""));
     let mut session = Session::begin(path, remarks::OF_COMPARISONS, quiet, ProgressLine::start_search(!quiet))?;
-    args.preset.apply(Arc::make_mut(&mut session.layout), path)?;
+    let remark = args.preset.apply(Arc::make_mut(&mut session.layout), path)?;
+    remark.iter().for_each(|remark| session.tell(remark));
     require_errors(&session)?;
     let film = session.film()?;
     let sampling = film.sampling().map_err(|error| session.failed(error))?;
@@ -229,7 +230,8 @@ fn part(args: &ToleranceArgs, total: u64) -> Result<u64, Failure> {
 /// `tolerance merge`: joins parts.
 fn merge(args: &MergeArgs, quiet: bool) -> Result<(), Failure> {
     let mut session = Session::open(&args.layout, remarks::OF_COMPARISONS, quiet)?;
-    args.preset.apply(Arc::make_mut(&mut session.layout), &args.layout)?;
+    let remark = args.preset.apply(Arc::make_mut(&mut session.layout), &args.layout)?;
+    remark.iter().for_each(|remark| session.tell(remark));
     require_errors(&session)?;
     let film = session.film()?;
     let sampling = film.sampling().map_err(|error| session.failed(error))?;

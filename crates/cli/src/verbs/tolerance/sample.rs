@@ -67,7 +67,8 @@ pub(super) struct SampleArgs {
 pub(super) fn run(args: &SampleArgs, quiet: bool) -> Result<(), Failure> {
     let mut session = Session::open_with_points(&args.layout, args.points.path(), remarks::OF_TILES, quiet)?;
     let original = session.layout.clone();
-    args.preset.apply(Arc::make_mut(&mut session.layout), &args.layout)?;
+    let remark = args.preset.apply(Arc::make_mut(&mut session.layout), &args.layout)?;
+    remark.iter().for_each(|remark| session.tell(remark));
     require_tolerance(&session)?;
     let (made_file, scan_file) = (args.output.as_deref(), args.scan.as_deref());
     let made = made_file.map(|path| session.output(Some(path), args.points.path())).transpose()?;
