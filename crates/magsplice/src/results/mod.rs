@@ -72,6 +72,8 @@ mod sampled_scan;
 mod samples;
 /// A measured scan, fitted.
 mod scan;
+/// What speaks against a fitted scan.
+mod scan_remarks;
 /// Positions of a head from the readings of all its sensors.
 mod sensors_readings;
 /// Numbers with as many digits as a person would write.
