@@ -54,9 +54,10 @@ pub enum DesignError {
     /// A tile reaches into iron.
     #[error("{0}: change the bounds of [design], or move [[plane]]")]
     InIron(#[source] TileBehindPlane),
-    /// The iron near the film is tilted or has errors, or recoil or the spacing of a head counts.
+    /// The iron near the film is tilted or may reach into it, or recoil or the spacing of a head
+    /// counts.
     #[error(
-        "films are designed for iron that is parallel to the film, at a distance without errors, beyond the sensor, without \
+        "films are designed for iron that is parallel to the film, apart from it and beyond the sensor, without \
          recoil and with a head of fixed spacing: change [tolerance.iron], or leave it out"
     )]
     NearIron,

@@ -61,7 +61,7 @@ pub use first_order::{
     Share, TileChanges, TileResponse,
 };
 pub use low_rank::LowRank;
-pub use quantile::mean_square;
+pub use quantile::{mean_square, nodes};
 pub use real_film::{RealFilm, direction_normal};
 pub use sampler::{Sampler, statistics};
 pub use statistics::{Estimate, Statistics, probability_of_at_least, share};

@@ -57,6 +57,16 @@ pub(crate) fn variance(distribution: &Distribution) -> f64 {
     }
 }
 
+/// Three errors with weights. Their mean and variance are those of the distribution, and all
+/// moments up to the fifth if it is normal (Gauss and Hermite). An error that does not vary is one.
+pub fn nodes(distribution: &Distribution) -> Vec<(f64, f64)> {
+    let (mean, apart) = (mean(distribution), (3.0 * variance(distribution)).sqrt());
+    match apart > 0.0 {
+        true => vec![(mean - apart, 1.0 / 6.0), (mean, 2.0 / 3.0), (mean + apart, 1.0 / 6.0)],
+        false => vec![(mean, 1.0)],
+    }
+}
+
 /// The mean over the pieces between tabulated values, each as probable as the others.
 fn of_pieces(values: &[f64], of_piece: impl Fn(f64, f64) -> f64) -> f64 {
     match values {

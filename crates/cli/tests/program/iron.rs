@@ -53,12 +53,10 @@ fn work_without_iron_is_refused() {
     sandbox.run(&bent).refuses("flat iron does not bend with the film: leave out the planes of iron or the bend");
     let near = "[tolerance.iron]\ndistance_mm = 1\n";
     let design = "[design]\ngoal = \"displacement\"\nvary = [\"strength\"]\nunder = \"tolerance\"\nstrength_t = { min = 0.05, max = 0.5 }\n";
-    for key in ["distance_error_mm = { uniform = 0.1 }", "normal = [0.1, 0, -1]"] {
-        sandbox.write("near.toml", &format!("{TILE}{design}{near}{key}\n{own}"));
-        sandbox
-            .run(&["design", "near.toml", "-o", "better.toml"])
-            .refuses("films are designed for iron that is parallel to the film, at a distance without errors");
-    }
+    sandbox.write("near.toml", &format!("{TILE}{design}{near}normal = [0.1, 0, -1]\n{own}"));
+    sandbox
+        .run(&["design", "near.toml", "-o", "better.toml"])
+        .refuses("films are designed for iron that is parallel to the film, apart from it");
     sandbox.write("soft.toml", &format!("{TILE}{near}[material]\nrecoil_permeability = 1.05\n{own}"));
     sandbox.run(&["tolerance", "soft.toml"]).refuses("leave out recoil_permeability or [tolerance.iron]");
     sandbox.run(&["export", "film.toml", "--to", "magpylib"]).refuses("magpylib has no field of iron");

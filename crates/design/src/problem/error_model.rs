@@ -30,8 +30,8 @@ pub(crate) struct ErrorModel {
     pub(crate) of_sensors: Vec<SensorChange>,
     /// Mean squares of the noise of each reading along x, y, z, in square tesla.
     pub(crate) noise: DVec3,
-    /// Iron near the film.
-    pub(crate) iron: Option<IronImages>,
+    /// Iron near the film, at several distances if its distance has errors.
+    pub(crate) iron: Vec<IronImages>,
     /// Whether images of a tile have the same sensitivities, apart from the symmetry operation.
     pub(crate) symmetric: bool,
     /// Whether the errors of all sensors of a head together have the same effect at the images of a
@@ -122,7 +122,7 @@ impl ErrorModel {
     ///
     /// # Errors
     /// If a neighbouring film has no field at a point of the grid, iron near the film is not
-    /// parallel to it at a distance without errors, or iron moves with the film.
+    /// parallel to it, or iron moves with the film.
     pub(crate) fn new(
         tolerance: &FilmTolerance,
         ordered: &[Tile],
@@ -171,7 +171,10 @@ impl ErrorModel {
             common: common_errors(&tolerance.common, sampling)?,
             of_sensors: if reading.is_single() { Vec::new() } else { sensor_changes(sensor_errors, reading) },
             noise: vector(&sensor_errors.noise_t) * reading.mean_squares(),
-            iron: tolerance.common.iron.as_ref().map(|iron| IronImages::new(iron, ordered, sampling)).transpose()?,
+            iron: match &tolerance.common.iron {
+                Some(iron) => IronImages::all(iron, ordered, sampling)?,
+                None => Vec::new(),
+            },
             symmetric,
             has_symmetric_sensors: symmetric && (exchangeable || !sampling.exchanges()),
         })

@@ -322,8 +322,8 @@ impl Rows<'_> {
             let response = sensor_response(change, &numbers_of(&distinct), self.film)?;
             self.add_response(&response, &distinct, squares);
         }
-        if let Some(iron) = &model.iron {
-            let points = if model.symmetric { self.distinct_points() } else { all };
+        let points = if model.symmetric { self.distinct_points() } else { all };
+        for iron in &model.iron {
             let response = iron_response(iron, &numbers_of(&points), self.film)?;
             self.add_response(&response, &points, squares);
         }

@@ -1,8 +1,9 @@
 //! Flat iron near the film: the reading of its images.
 
 use glam::DVec3;
-use magsplice_layout::{Distribution, NearIron};
+use magsplice_layout::NearIron;
 use magsplice_magnet::{Grid, Tile};
+use magsplice_tolerance::nodes;
 
 use crate::error::DesignError;
 use crate::problem::pattern::Pattern;
@@ -18,7 +19,8 @@ pub(crate) const TILTED: f64 = 1e-12;
 pub(crate) struct IronImages {
     /// The mirrored points of the grid, then the mirrored reference point.
     sampling: Sampling,
-    /// The field of the images over that of the film at the mirrored point.
+    /// The field of the images over that of the film at the mirrored point, times the root of the
+    /// weight of the distance.
     factor: DVec3,
     /// Whether the iron comes after the reading at the reference point.
     pub(crate) later: bool,
@@ -31,15 +33,27 @@ pub(crate) struct ImageField {
 }
 
 impl IronImages {
-    /// The images of a film of these tiles, whose heights do not change. The iron is at its stated
-    /// distance.
+    /// The images of a film of these tiles, whose heights do not change, in iron at several
+    /// distances, each times the root of its weight: the sum of their squares is the mean square
+    /// over the errors of the distance.
     ///
     /// # Errors
-    /// If the iron is not parallel to the film, or its distance has errors.
-    pub(crate) fn new(iron: &NearIron, tiles: &[Tile], sampling: &Sampling) -> Result<IronImages, DesignError> {
-        let plane = iron.plane(tiles, 0.0).map_err(|_| DesignError::NearIron)?;
+    /// If the iron is not parallel to the film.
+    pub(crate) fn all(iron: &NearIron, tiles: &[Tile], sampling: &Sampling) -> Result<Vec<IronImages>, DesignError> {
+        let at = |(error_mm, weight): (f64, f64)| IronImages::new(iron, error_mm, weight.sqrt(), tiles, sampling);
+        nodes(&iron.distance_error_mm).into_iter().map(at).collect()
+    }
+
+    fn new(
+        iron: &NearIron,
+        error_mm: f64,
+        root_of_weight: f64,
+        tiles: &[Tile],
+        sampling: &Sampling,
+    ) -> Result<IronImages, DesignError> {
+        let plane = iron.plane(tiles, error_mm).map_err(|_| DesignError::NearIron)?;
         let normal = plane.normal();
-        if normal.x.abs().max(normal.y.abs()) > TILTED || iron.distance_error_mm != Distribution::NONE {
+        if iron.distance_mm + error_mm < 0.0 || normal.x.abs().max(normal.y.abs()) > TILTED {
             return Err(DesignError::NearIron);
         }
         let is_before = |place: &DVec3| plane.distance(*place) > 0.0;
@@ -52,7 +66,7 @@ impl IronImages {
         let reference = plane.mirrored(sampling.reference);
         Ok(IronImages {
             sampling: Sampling::new(grid, reference, sampling.symmetry, sampling.reading.upside_down(), &[]),
-            factor: -plane.image_factor() * DVec3::new(1.0, 1.0, -1.0),
+            factor: -root_of_weight * plane.image_factor() * DVec3::new(1.0, 1.0, -1.0),
             later: iron.later,
         })
     }

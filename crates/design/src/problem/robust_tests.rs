@@ -243,6 +243,25 @@ fn iron_adds_the_square_of_what_its_images_change() {
     }
 }
 
+/// Errors of the distance of iron give the mean of the squares at all distances, by Simpson's rule.
+/// At a third of the distance the three distances of the model are right to 1 %.
+#[test]
+fn errors_of_the_distance_of_iron_are_averaged() {
+    let loss = |distance: f64, error: &str| {
+        let iron = format!("[tolerance]\niron = {{ distance_mm = {distance}{error}, when = \"after\" }}\n");
+        let layout = layout(&iron, "vary = [\"size\"]", PAIR);
+        let problem = DesignProblem::new(&layout).unwrap_or_else(|e| panic!("{e}"));
+        let residuals = problem.least_squares.residuals(&problem.pattern, &problem.pattern.start, false).unwrap();
+        residuals.expected.expect("errors").loss
+    };
+    let found = loss(1.5, ", distance_error_mm = { uniform = 0.5 }");
+    let weight = |n: u32| if n == 0 || n == 20 { 1.0 } else { f64::from(2 + 2 * (n % 2)) };
+    let mean = (0..=20).map(|n| weight(n) * loss(1.0 + f64::from(n) / 20.0, "")).sum::<f64>() / 60.0;
+    let middle = loss(1.5, "");
+    assert!((found / mean - 1.0).abs() < 0.01, "{found} is not {mean}");
+    assert!(mean > 1.05 * middle, "{mean} is near {middle}");
+}
+
 /// The derivatives of sensitivities are never formed. Differences of the sensitivities of the model
 /// of first order stand for them here.
 #[test]
