@@ -45,12 +45,6 @@ pub enum DesignError {
     /// The layout has flat iron.
     #[error("a plane of iron is not parallel to the film and breaks its symmetry: set symmetry = \"none\" in [design]")]
     TiltedIron,
-    /// Iron that moves with a displaced film, which the expected errors do not count.
-    #[error(
-        "beside [[plane]] films are not designed for errors of the place of the film or of the sensor: leave out the film \
-         of [tolerance] and position_mm of its sensor, or the plane"
-    )]
-    MovedIron,
     /// A tile reaches into iron.
     #[error("{0}: change the bounds of [design], or move [[plane]]")]
     InIron(#[source] TileBehindPlane),

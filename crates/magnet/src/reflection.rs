@@ -44,6 +44,11 @@ impl Reflection {
         self.factor * self.turn.transpose()
     }
 
+    /// The axis of this place's turn by a turn of the point about an axis.
+    pub fn turn(&self, axis: DVec3) -> DVec3 {
+        self.turn.determinant().signum() * (self.turn * axis)
+    }
+
     /// The field of the images at a point, from the field of the tiles at its place.
     pub fn field(&self, at_place: DVec3) -> DVec3 {
         self.factor * (self.turn.transpose() * at_place)

@@ -122,7 +122,7 @@ impl ErrorModel {
     ///
     /// # Errors
     /// If a neighbouring film has no field at a point of the grid, iron near the film is not
-    /// parallel to it, or iron moves with the film.
+    /// parallel to it.
     pub(crate) fn new(
         tolerance: &FilmTolerance,
         ordered: &[Tile],
@@ -158,10 +158,6 @@ impl ErrorModel {
             false => joint.extend((0..reading.sensors().len()).map(|number| displaced(Some(number)))),
         }
         joint.retain(|errors| errors.mean_squares != MeanSquares::default());
-        // The first is none.
-        if sampling.reflections.len() > 1 && joint.iter().any(|errors| errors.centre == Centre::Box) {
-            return Err(DesignError::MovedIron);
-        }
         let symmetric = sampling.is_symmetric() && (weights[0] == weights[1] || !sampling.exchanges());
         let of_sensor = [&sensor_errors.position_mm, &sensor_errors.rotation_rad, &sensor_errors.gain].map(vector);
         let exchangeable = of_sensor.iter().all(|squares| squares.x == squares.y);

@@ -86,6 +86,8 @@ pub(crate) fn joint_responses(errors: &JointErrors, points: &[usize], film: &Rob
         }
         let responding =
             RespondingTile::new(tile, &film.sampling.reflections, film.variables, all_axes(active), n > 0)?;
+        // The whole film moves with its iron.
+        let responding = responding.moving_iron(errors.centre == Centre::Box);
         for (operation, _) in images() {
             let mapped: Vec<DVec3> = points.iter().map(|point| operation.inverse().apply(*point)).collect();
             let centre = centre_of(tile, *operation, film);

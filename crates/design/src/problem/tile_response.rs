@@ -3,7 +3,7 @@
 
 use glam::{DMat3, DVec3};
 use magsplice_field::{FaceDerivatives, FaceHessian, PolarizationMap};
-use magsplice_magnet::{PerTileError, Reflection, Tile, TileError};
+use magsplice_magnet::{Axis, PerTileError, Reflection, Tile, TileError};
 use magsplice_tolerance::direction_normal;
 
 use crate::problem::pattern::VariableTile;
@@ -49,6 +49,8 @@ pub(crate) struct RespondingTile<'a> {
     tile: Tile,
     /// None for the tile itself, then one for each of its images in flat iron.
     reflections: &'a [Reflection],
+    /// Whether the iron moves and turns with the tile.
+    moves_iron: bool,
     /// The tile with a unit of polarization along each of its axes.
     unit_tiles: [Tile; 3],
     /// The axes of the tile, by columns.
@@ -85,6 +87,7 @@ impl<'a> RespondingTile<'a> {
         Some(RespondingTile {
             tile,
             reflections,
+            moves_iron: false,
             unit_tiles: [with_j(DVec3::X)?, with_j(DVec3::Y)?, with_j(DVec3::Z)?],
             axes: DMat3::from_quat(tile.rotation()),
             j: tile.polarization_t(),
@@ -95,6 +98,11 @@ impl<'a> RespondingTile<'a> {
             faces_vary: variable_tile.faces.iter().flatten().any(|face| !face.terms.is_empty()),
             with_derivatives,
         })
+    }
+
+    /// The same tile, with iron that moves and turns with it.
+    pub(crate) fn moving_iron(self, moves_iron: bool) -> RespondingTile<'a> {
+        RespondingTile { moves_iron, ..self }
     }
 
     /// The responses of what is read at points. `None` where a place lies on an edge of the tile.
@@ -123,10 +131,52 @@ impl<'a> RespondingTile<'a> {
             let places: Vec<DVec3> = points.iter().map(|point| reflection.place(*point)).collect();
             let map = PolarizationMap::new(&[self.tile], &places).ok()?;
             for (row, (sum, place)) in sums.iter_mut().zip(&places).enumerate() {
-                sum.add(&self.response(*place, matrix(&map, row))?, |b_t| reflection.field(b_t));
+                let mut response = self.response(*place, matrix(&map, row))?;
+                if self.moves_iron {
+                    response = self.with_moved_image(&response, reflection);
+                }
+                sum.add(&response, |b_t| reflection.field(b_t));
             }
         }
         Some(sums)
+    }
+
+    /// The response at the place of a reflection, where the image moves and turns as the tile does:
+    /// in the reflected frame the tile has the reflected motion, and turns about where its image
+    /// is.
+    fn with_moved_image(&self, response: &TileResponse, reflection: &Reflection) -> TileResponse {
+        let mut moved = *response;
+        let centre = self.tile.position();
+        let gap = centre - reflection.place(centre);
+        for axis in Axis::ALL {
+            let along = reflection.motion(axis.unit());
+            let turn = reflection.turn(axis.unit());
+            let arm = turn.cross(gap);
+            let [shifting, turning] = [TileError::Position(axis), TileError::Rotation(axis)];
+            moved.by_error[shifting] = DVec3::ZERO;
+            moved.by_error[turning] = DVec3::ZERO;
+            moved.derivatives[shifting] = [DVec3::ZERO; NUMBERS];
+            moved.derivatives[turning] = [DVec3::ZERO; NUMBERS];
+            for own in Axis::ALL {
+                let k = own.index();
+                let [shift, rotation] = [TileError::Position(own), TileError::Rotation(own)];
+                moved.by_error[shifting] += along[k] * response.by_error[shift];
+                moved.by_error[turning] += turn[k] * response.by_error[rotation] + arm[k] * response.by_error[shift];
+                for number in 0..NUMBERS {
+                    let by_shift = response.derivatives[shift][number];
+                    moved.derivatives[shifting][number] += along[k] * by_shift;
+                    moved.derivatives[turning][number] +=
+                        turn[k] * response.derivatives[rotation][number] + arm[k] * by_shift;
+                }
+                // A face moves the centre by half.
+                for face in (0..FACES).filter(|_| self.with_derivatives) {
+                    let centre = 0.5 * self.axes.col(face / 2);
+                    let by_face = turn.cross(centre - reflection.motion(centre));
+                    moved.derivatives[turning][face] += by_face[k] * response.by_error[shift];
+                }
+            }
+        }
+        moved
     }
 
     /// The response at a point, where `by_j` is the field of units of polarization.
