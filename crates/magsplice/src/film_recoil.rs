@@ -222,7 +222,7 @@ pub(crate) fn recoil_tiles(layout: &Layout, permeability: Option<Permeability>) 
 }
 
 /// Few points of the working volume outside all tiles. If it has none, the corners of a box around
-/// all tiles and the middles of its faces.
+/// all tiles and the middles of its faces, before the iron.
 fn points(layout: &Layout) -> Vec<DVec3> {
     let is_outside = |point: &DVec3| !layout.tiles.iter().any(|named| is_near(&named.tile, *point));
     let grid = layout.volume.as_ref().map(|volume| coarse(&volume.grid));
@@ -235,7 +235,7 @@ fn points(layout: &Layout) -> Vec<DVec3> {
     let margin = DVec3::splat(POINTS_OUTSIDE * (upper - lower).min_element());
     let around = Grid::new(lower - margin, upper + margin, [3; 3]).expect("a box of finite sides");
     let middle = around.point(around.len() / 2);
-    around.points().filter(|point| *point != middle).collect()
+    around.points().filter(|point| *point != middle && layout.iron.plane_before(*point).is_none()).collect()
 }
 
 /// Whether a point is in a tile, or nearer to it than [`NEAREST`].

@@ -193,6 +193,9 @@ fn recoil_before_iron_is_that_of_the_images_as_magnets() {
         assert_eq!(said.status, 0, "{}", said.stderr);
         rows(&said.stdout)[0][3..6].to_vec()
     };
+    // Without a volume the points around the tile count that are before the iron.
+    sandbox.write("lone.toml", &format!("format = 1\nname = \"lone\"\n{material}{iron}{own}"));
+    assert_eq!(b_t("lone.toml").len(), 3);
     // Both are known to a hundredth of the change by recoil, which is some per cent of B.
     for (with_plane, with_image) in b_t("plane.toml").into_iter().zip(b_t("image.toml")) {
         assert!((with_plane / with_image - 1.0).abs() < 1e-3, "{with_plane} {with_image}");
