@@ -122,9 +122,9 @@ pub enum FilmError {
     /// A scan cannot be fitted.
     #[error("{0}")]
     Scan(#[source] ScanError),
-    /// A scan cannot be fitted, and its readings share an extreme.
-    #[error("the scan cannot be fitted, and {0}; else leave these readings out")]
-    UnstatedLimit(String),
+    /// A scan cannot be fitted, and its readings share an extreme or have no sign.
+    #[error("the scan cannot be fitted, and {0}")]
+    UnfitReadings(String),
     /// A film as made cannot be scanned.
     #[error("{0}")]
     SampleScan(#[source] SampleScanError),

@@ -105,7 +105,7 @@ pub enum ScanError {
     /// The steps did not converge.
     #[error(
         "the fit does not converge: the positions may have errors of more than a quarter of a wavelength, or errors of \
-         tiles look like another strength and height, and a fit of offset, rotation and start alone is needed"
+         tiles look like another strength and height, which a fit of offset, rotation and start alone avoids"
     )]
     NoConvergence,
     /// Points without a field.

@@ -280,3 +280,15 @@ fn logs_that_are_not_in_step_are_named() {
     let normal_only = remarks(&|_, force, _| (force[0], force[1]) = (f64::NAN, f64::NAN));
     assert!(!normal_only.contains("no stiffness along x"), "{normal_only}");
 }
+
+/// Readings at rest of a film that moved.
+#[test]
+fn readings_at_rest_of_a_moving_film_are_named() {
+    let sandbox = Sandbox::new();
+    calibrated(&sandbox, &displaced(&sandbox), [0.0, 0.0], 1);
+    let film = sandbox.published_with("");
+    let moving = sandbox.run(&["calibrate", &film, "forces.csv", "--rest", "5"]).stderr;
+    assert!(moving.contains("the readings at rest are of positions up to "), "{moving}");
+    let still = sandbox.run(&["calibrate", &film, "forces.csv", "--rest", "1"]).stderr;
+    assert!(!still.contains("the readings at rest"), "{still}");
+}

@@ -304,3 +304,23 @@ fn readings_that_share_an_extreme_are_the_cause_of_a_misfit() {
         said.refuses("different readings share the largest bz");
     }
 }
+
+/// Magnitudes, and readings in gauss beyond the range of the part.
+#[test]
+fn magnitudes_and_readings_beyond_the_range_are_named() {
+    let sandbox = Sandbox::new();
+    let film = sandbox.published_with("[sensor]\npart = \"MLX90393\"");
+    let all = field(&sandbox);
+    let names = "x_mm,y_mm,z_mm,bx_t,by_t,bz_t";
+    let changed = |of: fn(f64) -> f64| -> Vec<Vec<f64>> {
+        all.iter().map(|row| row[..3].iter().copied().chain(row[3..].iter().map(|b| of(*b))).collect()).collect()
+    };
+    write(&sandbox, names, &changed(f64::abs));
+    sandbox
+        .run(&["scan", &film, "scan.csv"])
+        .refuses("no component of a reading is negative: magnitudes have lost the signs");
+    write(&sandbox, names, &changed(|b| 10.0 * b));
+    sandbox
+        .run(&["scan", &film, "scan.csv"])
+        .refuses("the readings times 0.1 fit the film: they have another unit, such as gauss");
+}

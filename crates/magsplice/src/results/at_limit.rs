@@ -18,6 +18,12 @@ const PLATEAU: f64 = 0.02;
 /// Share of the largest component from which on an extreme may be the limit of the sensor.
 const LEAST_PLATEAU: f64 = 0.3;
 
+/// Number of readings from which on a scan over a film has components of both signs.
+const MOST_OF_ONE_SIGN: usize = 27;
+
+/// The fault of a scan of magnitudes.
+const NO_SIGN: &str = "no component of a reading is negative: magnitudes have lost the signs, which the fit needs";
+
 /// Relative difference of readings that symmetric places have.
 const SAME: f64 = 1e-9;
 
@@ -77,15 +83,20 @@ impl Film {
 }
 
 impl Film {
-    /// The error of a scan without a fit whose readings share an extreme below the stated range:
-    /// saturated readings look like exchanged axes or another placement. `None` without such
-    /// readings.
-    pub(super) fn unstated_limit(&self, readings_t: &[DVec3]) -> Option<FilmError> {
+    /// The error of a scan without a fit whose readings share an extreme below the stated range, or
+    /// have no sign: they look like exchanged axes or another placement. `None` for other readings.
+    pub(super) fn unfit_readings(&self, readings_t: &[DVec3]) -> Option<FilmError> {
         let element = self.layout().sensor.as_ref().map(|sensor| sensor.as_one()).unwrap_or_default();
         if readings_t.iter().any(|reading_t| element.is_saturated(*reading_t)) {
             return None;
         }
-        plateau(readings_t, element.count_t).map(FilmError::UnstatedLimit)
+        let finite: Vec<DVec3> = readings_t.iter().copied().filter(|reading_t| reading_t.is_finite()).collect();
+        let have_no_sign = finite.len() >= MOST_OF_ONE_SIGN && finite.iter().all(|of| of.cmpge(DVec3::ZERO).all());
+        if have_no_sign {
+            return Some(FilmError::UnfitReadings(NO_SIGN.to_owned()));
+        }
+        let plateau = plateau(readings_t, element.count_t)?;
+        Some(FilmError::UnfitReadings(format!("{plateau}; else leave these readings out")))
     }
 }
 

@@ -236,7 +236,7 @@ impl Film {
                 None,
             ) => return Err(FilmError::Scan(error)),
             (Err(error @ (FilmError::Scan(_) | FilmError::Diagnosis(_) | FilmError::Misplaced(_))), None) => {
-                if let Some(limit) = self.unstated_limit(readings_t) {
+                if let Some(limit) = self.unfit_readings(readings_t) {
                     return Err(limit);
                 }
                 in_order()?;

@@ -1,6 +1,6 @@
 //! Errors of tiles in words.
 
-use magsplice_scan::{DetectedError, ErrorKind};
+use magsplice_scan::{DetectedError, ErrorKind, FittedError};
 
 /// Strength of a tile, over that of the layout, up to which its J is that of no magnet.
 const ABSENT: f64 = 0.05;
@@ -13,6 +13,9 @@ pub(super) fn in_words(detected: &DetectedError) -> String {
     let (magnitude, deviation) = (detected.magnitude(), detected.magnitude_deviation());
     let per_cent = |value: f64| rounded(100.0 * value, 100.0 * deviation, 2);
     let degrees = || rounded(magnitude.to_degrees(), deviation.to_degrees(), 2);
+    if !detected.components.iter().any(FittedError::is_significant) {
+        return "an error that the scan does not resolve, of this tile or of another".to_owned();
+    }
     let strength = 1.0 + magnitude;
     match detected.candidate.kind {
         ErrorKind::Strength if strength.abs().max(CERTAIN * deviation) < ABSENT => {
@@ -45,7 +48,23 @@ fn rounded(value: f64, deviation: f64, decimals: i32) -> String {
 
 #[cfg(test)]
 mod tests {
+    use magsplice_magnet::TileError;
+    use magsplice_scan::Candidate;
+
     use super::*;
+
+    /// A value below two of its deviations is no value.
+    #[test]
+    fn errors_below_their_deviation_have_no_magnitude() {
+        let words = |value: f64, deviation: f64| {
+            let candidate = Candidate { tile: 0, kind: ErrorKind::Strength };
+            let components = vec![FittedError { error: TileError::Strength, value, deviation }];
+            let alternatives = Vec::new();
+            in_words(&DetectedError { candidate, components, chi_squared: 30.0, ln_probability: -20.0, alternatives })
+        };
+        assert_eq!(words(-0.036, 0.051), "an error that the scan does not resolve, of this tile or of another");
+        assert_eq!(words(-0.36, 0.051), "36 % too weak");
+    }
 
     #[test]
     fn digits_end_at_the_deviation() {

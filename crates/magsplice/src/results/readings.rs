@@ -137,6 +137,30 @@ fn hint(
     other_columns(are_explained).or_else(tared)
 }
 
+/// Words for readings at rest whose positions are farther apart than noise. `origin_mm` is the
+/// position of their mean.
+fn moved_at_rest(locator: &Locator, at_rest_t: &[DVec3], origin_mm: DVec3, noise: Option<Noise>) -> Option<String> {
+    let found = locator.locate(at_rest_t);
+    let apart_mm = |located: Located| {
+        let deviation_mm = noise.and_then(|noise| noise.of_position(located.gradient)).unwrap_or_default();
+        let apart_mm = (located.position - origin_mm).abs();
+        let is_moved = apart_mm.cmpgt((MOST_DEVIATIONS_AT_REST * deviation_mm).max(DVec3::splat(MOST_MOVED_MM))).any();
+        is_moved.then(|| apart_mm.max_element())
+    };
+    let most_mm = found.iter().filter_map(Located::of).filter_map(apart_mm).reduce(f64::max)?;
+    Some(format!(
+        "the readings at rest are of positions up to {most_mm:.2} mm from their mean: the film moved, and displacements count \
+         from no rest"
+    ))
+}
+
+/// Distance in millimetres from which on a film moved during readings at rest: a soft layer creeps
+/// by some hundredths.
+const MOST_MOVED_MM: f64 = 0.1;
+
+/// Standard deviations of a position that noise does not exceed in readings at rest.
+const MOST_DEVIATIONS_AT_REST: f64 = 6.0;
+
 /// Whether a position is in the volume, but for what noise may have moved it.
 pub(super) fn is_near(position: DVec3, volume: &Grid) -> bool {
     let margin = NEAR * (volume.upper() - volume.lower());
@@ -205,6 +229,10 @@ impl Film {
             AtRest::Constant(_) | AtRest::Zero(_) => volume.reference_mm,
         };
         let noise = noise.or(Noise::of_sensor(sensed.sensor()));
+        let moved = match at_rest {
+            AtRest::Rest(readings_t) => moved_at_rest(&locator, readings_t, origin_mm, noise),
+            AtRest::Constant(_) | AtRest::Zero(_) => None,
+        };
         let is_excused = |located: &Located| {
             let outside = (volume.grid.lower() - located.position).max(located.position - volume.grid.upper());
             let deviation = noise.and_then(|noise| noise.of_position(located.gradient));
@@ -238,7 +266,7 @@ impl Film {
         Ok(FilmReadings {
             source: Source::of(self),
             readings: readings_t.len(),
-            hint: stuck.or_else(|| hint(&locator, readings_t, &found, zero_t, &on_axis_t)),
+            hint: stuck.or(moved).or_else(|| hint(&locator, readings_t, &found, zero_t, &on_axis_t)),
             found,
             closed_form_mm,
             origin_mm,

@@ -4,8 +4,9 @@ use glam::DVec3;
 use magsplice_decouple::{Branch, NoPlanes, Parameters, PerParameter, uniformity_by_planes};
 use magsplice_magnet::Grid;
 use magsplice_scan::{
-    ColumnFault, Exclusion, FilmTurn, FreeParameters, KNOWN_NOISE, Plateau, ROUND_OFF, ScanError, ScanField, ScanFit,
-    ScanPositions, SensorFault, SignedAxes, film_turn, find_row_order, fit_determined, fit_scan, is_row_order_likely,
+    ColumnFault, Exclusion, FLUX_DENSITIES, FilmTurn, FreeParameters, KNOWN_NOISE, Plateau, ROUND_OFF, ScanError,
+    ScanField, ScanFit, ScanPositions, SensorFault, SignedAxes, film_turn, find_row_order, fit_determined, fit_scan,
+    is_row_order_likely,
 };
 use serde::Serialize;
 
@@ -219,8 +220,11 @@ impl Film {
                 if let Some(fault) = fault.filter(|fault| is_misfit || fault.is_certain()) {
                     return Err(FilmError::Scan(ScanError::Columns(fault)));
                 }
-                if let Some(error) = self.unstated_limit(readings_t) {
+                if let Some(error) = self.unfit_readings(readings_t) {
                     return Err(error);
+                }
+                if let Some(error) = reading_unit(&field, points_mm, readings_t, centre_mm, &error) {
+                    return Err(FilmError::Scan(error));
                 }
                 let finite = || readings_t.iter().filter(|reading_t| reading_t.is_finite());
                 let squares: f64 = finite().map(|reading_t| reading_t.length_squared()).sum();
@@ -240,6 +244,12 @@ impl Film {
             Ok(fit) => fit,
         };
         let ScanFit { parameters, deviations, sensor_axes, stage_axes, .. } = fit;
+        // Clipped readings and magnitudes fit exchanged axes better.
+        if (sensor_axes, stage_axes) != (SignedAxes::SAME, SignedAxes::SAME)
+            && let Some(error) = self.unfit_readings(readings_t)
+        {
+            return Err(error);
+        }
         let places_mm: Vec<DVec3> = points_mm.iter().map(|point| fit.place(*point)).collect();
         // Readings without the errors that the layout states, along the axes of its sensor.
         let sensor = sensed.sensor();
@@ -364,6 +374,32 @@ impl FilmScan {
         Table::new(points, columns, self.source.metadata())
     }
 }
+
+/// The unit with which readings fit that are all beyond the range of the sensor.
+fn reading_unit(
+    field: &ScanField,
+    points_mm: &[DVec3],
+    readings_t: &[DVec3],
+    centre_mm: Option<DVec3>,
+    error: &ScanError,
+) -> Option<ScanError> {
+    if !matches!(error, ScanError::TooFew { excluded, .. } if *excluded > 0) {
+        return None;
+    }
+    let fits = |unit: f64| {
+        let scaled_t: Vec<DVec3> = readings_t.iter().map(|reading_t| unit * *reading_t).collect();
+        let squares: f64 = scaled_t.iter().filter(|of| of.is_finite()).map(|of| of.length_squared()).sum();
+        let rms_t = (squares / (3 * scaled_t.len().max(1)) as f64).sqrt();
+        let is_this_film =
+            |fit: &ScanFit| fit.noise_t < LARGE_SHARE * rms_t && POSSIBLE_STRENGTHS.contains(&fit.parameters.strength);
+        fit_determined(field.clone(), points_mm, &scaled_t, centre_mm).is_ok_and(|(fit, _)| is_this_film(&fit))
+    };
+    let (unit, example) = FLUX_DENSITIES.into_iter().find(|(unit, _)| fits(*unit))?;
+    Some(ScanError::ReadingUnit { unit, example })
+}
+
+/// Strengths of a film of the layout: units differ by ten or more.
+const POSSIBLE_STRENGTHS: std::ops::Range<f64> = 0.4..2.5;
 
 impl ScanUniformity {
     /// `fields_t` are the readings, the corrected ones and the field of the layout.
