@@ -292,3 +292,13 @@ fn readings_at_rest_of_a_moving_film_are_named() {
     let still = sandbox.run(&["calibrate", &film, "forces.csv", "--rest", "1"]).stderr;
     assert!(!still.contains("the readings at rest"), "{still}");
 }
+
+/// The intervals are of a film without the errors that its layout states.
+#[test]
+fn errors_of_tiles_are_not_in_the_intervals() {
+    let sandbox = Sandbox::new();
+    calibrated(&sandbox, &displaced(&sandbox), [0.0, 0.0], 1);
+    let film = sandbox.published_with("[tolerance]\npreset = \"by-hand\"");
+    let said = sandbox.run(&["calibrate", &film, "forces.csv"]).stderr;
+    assert!(said.contains("the intervals do not contain the errors of the tiles that [tolerance] states"), "{said}");
+}

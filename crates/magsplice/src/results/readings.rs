@@ -61,6 +61,9 @@ pub struct FilmReadings {
     /// Whether the reference point is taken for the position at rest, without readings there.
     #[serde(skip)]
     pub assumes_rest: bool,
+    /// Whether the layout states errors of its tiles, which the film that was made has.
+    #[serde(skip)]
+    pub states_errors: bool,
     /// The elastic layer, if the layout has one.
     #[serde(skip)]
     pub elastomer: Option<Elastomer>,
@@ -272,6 +275,7 @@ impl Film {
             origin_mm,
             noise,
             assumes_rest: at_rest == AtRest::Constant(DVec3::ZERO),
+            states_errors: self.layout().tolerance.as_ref().is_some_and(|of| !of.tiles.is_empty()),
             elastomer: self.layout().elastomer,
             of_head: None,
         })
