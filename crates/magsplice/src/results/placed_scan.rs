@@ -188,7 +188,7 @@ impl<'a> PlacedScan<'a> {
     }
 
     fn placement(&self, fit: &ScanFit) -> SensorPlacement {
-        SensorPlacement::new(fit, self.is_across(fit))
+        SensorPlacement::new(fit, self.noise_squared.sqrt(), self.is_across(fit))
     }
 
     /// The fit as a scan states it, with the strength held where errors of tiles look like it.

@@ -85,19 +85,26 @@ pub struct SensorPlacement {
     pub fitted: FittedScan,
     /// Standard deviation of the residuals of one component.
     pub residual_t: f64,
+    /// Noise of a component.
+    #[serde(skip)]
+    pub noise_t: f64,
     /// Whether the sensor was on the other side of the film than the working volume.
     #[serde(skip)]
     pub is_across: bool,
 }
+
+/// Residual over the noise above which more than the placement of the sensor is wrong.
+const MUCH_NOISE: f64 = 10.0;
 
 /// What a sensor on the other side of the film than the working volume means.
 pub(super) const ACROSS: &str = "the sensor was on the other side of the film than [volume]: the film is turned over, or z \
     of the positions is counted downwards and the z axis of the sensor is reversed (gain = [1, 1, -1] in [sensor])";
 
 impl SensorPlacement {
-    pub(crate) fn new(fit: &ScanFit, is_across: bool) -> SensorPlacement {
+    pub(crate) fn new(fit: &ScanFit, noise_t: f64, is_across: bool) -> SensorPlacement {
         SensorPlacement {
             is_across,
+            noise_t,
             sensor_axes: fit.sensor_axes,
             stage_axes: fit.stage_axes,
             fitted: FittedScan::new(&fit.parameters, fit.offset_t()),
@@ -109,7 +116,15 @@ impl SensorPlacement {
 impl fmt::Display for SensorPlacement {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let residual_ut = 1e6 * self.residual_t;
-        write!(f, "the film as ordered explains the scan to {residual_ut:.1} uT with {}", self.fitted.in_words())?;
+        write!(f, "the film as ordered explains the scan to {residual_ut:.1} uT")?;
+        let ratio = self.residual_t / self.noise_t;
+        if ratio > MUCH_NOISE {
+            write!(
+                f,
+                " (not to its noise, which is {ratio:.0} times smaller: tiles have errors too, or a nearer scan is needed)"
+            )?;
+        }
+        write!(f, " with {}", self.fitted.in_words())?;
         if self.is_across {
             write!(f, "; {ACROSS}")?;
         }
