@@ -16,8 +16,8 @@ Units and shapes
 ----------------
 Lengths are in millimetres, flux density B and polarization J in tesla, field strength H in ampere
 per metre, forces in newton, rotations in degrees. A name ends with its unit: ``_mm``, ``_t``,
-``_n``, ``_deg``. Points and vectors have the shape (..., 3), with x, y, z last. Only `getB` and `getH` use
-metres, like magpylib.
+``_n``, ``_deg``. Points and vectors have the shape (..., 3), with x, y, z last. Only `getB` and
+`getH` use metres, like magpylib.
 
 First steps
 -----------
