@@ -103,6 +103,11 @@ pub struct SourceFile {
 }
 
 impl Layout {
+    /// Whether the layout states errors of its tiles, which a film as made has.
+    pub fn states_errors_of_tiles(&self) -> bool {
+        self.tolerance.as_ref().is_some_and(|tolerance| !tolerance.tiles.is_empty())
+    }
+
     /// The tiles without their names, in the same order, in millimetres and tesla.
     pub fn bare_tiles(&self) -> Vec<Tile> {
         self.tiles.iter().map(|named| named.tile).collect()

@@ -275,7 +275,7 @@ impl Film {
             origin_mm,
             noise,
             assumes_rest: at_rest == AtRest::Constant(DVec3::ZERO),
-            states_errors: self.layout().tolerance.as_ref().is_some_and(|of| !of.tiles.is_empty()),
+            states_errors: self.layout().states_errors_of_tiles(),
             elastomer: self.layout().elastomer,
             of_head: None,
         })

@@ -325,7 +325,7 @@ impl Film {
             is_across,
             turn,
             sensor_fault,
-            states_errors: self.layout().tolerance.as_ref().is_some_and(|of| !of.tiles.is_empty()),
+            states_errors: self.layout().states_errors_of_tiles(),
             sensor_noise_t,
         })
     }

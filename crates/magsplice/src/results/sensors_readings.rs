@@ -123,7 +123,7 @@ impl Film {
             origin_mm,
             noise,
             assumes_rest: at_rest == AtRest::Constant(DVec3::ZERO),
-            states_errors: self.layout().tolerance.as_ref().is_some_and(|of| !of.tiles.is_empty()),
+            states_errors: self.layout().states_errors_of_tiles(),
             elastomer: self.layout().elastomer,
             hint,
             of_head: Some(of_head),

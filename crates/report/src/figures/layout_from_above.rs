@@ -90,7 +90,12 @@ struct Around<'a> {
 /// The planes of iron in words that fit the legend.
 fn iron(layout: &Layout) -> Vec<String> {
     let planes = IronSummary::of(layout).into_iter().flat_map(|iron| iron.planes().collect::<Vec<_>>());
-    let short = |plane: String| if plane.len() <= LONGEST_LINE { plane } else { "an oblique plane".to_owned() };
+    let short = |plane: String| match plane.split_once(", mu_r") {
+        _ if plane.len() <= LONGEST_LINE => plane,
+        _ if plane.starts_with("behind") => "an oblique plane".to_owned(),
+        Some((place, _)) => place.to_owned(),
+        None => plane,
+    };
     planes.map(short).collect()
 }
 

@@ -88,7 +88,7 @@ pub(crate) fn run(args: &ScanArgs, quiet: bool) -> Result<(), Failure> {
         .scan(&points_mm, &readings_t, &lines, (!args.fit.is_empty()).then(|| FitArg::free(&args.fit)))
         .map_err(|error| match error {
             FilmError::Scan(error @ (ScanError::Misfit { .. } | ScanError::AnotherFilm { .. })) => {
-                let states_errors = film.layout().tolerance.as_ref().is_some_and(|of| !of.tiles.is_empty());
+                let states_errors = film.layout().states_errors_of_tiles();
                 let cause = if states_errors { "the errors of all tiles in [tolerance]" } else { "faulty tiles" };
                 Failure::at(&args.scan, format!("{error}. Near the film, {cause} leave as much: try diagnose"))
             }
