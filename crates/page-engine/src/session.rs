@@ -32,7 +32,8 @@ pub enum Request {
         /// a tile is dragged.
         rigid: bool,
     },
-    /// B on a plane of constant z.
+    /// B on a plane of constant z, of tiles that keep their polarization whatever their recoil
+    /// permeability: a picture. Numbers are those of `Evaluate`.
     Map {
         /// Corners along x and y, in millimetres.
         lower_mm: [f64; 2],
@@ -133,7 +134,7 @@ impl Session {
                     .map(|(i, j)| DVec3::new(at(0, i), at(1, j), z_mm))
                     .collect();
                 let mut b_t = vec![DVec3::NAN; points.len()];
-                // Points without a field have NaN.
+                // Points without a field keep NaN.
                 let _ =
                     Film::rigid(self.layout()?.clone()).scene().field_into(Quantity::FluxDensity, &points, &mut b_t);
                 let shown = |b: DVec3| b.to_array().map(|value| value.is_finite().then_some(value));
