@@ -53,6 +53,8 @@ mod parameters;
 mod per_axis;
 /// One value for each parameter.
 mod per_parameter;
+/// Displacements that the parameters show, minus the true ones.
+mod residuals;
 /// Second derivatives of the parameters.
 mod second_derivatives;
 
@@ -63,4 +65,5 @@ pub use figures::{Figure, Figures};
 pub use parameters::{Branch, ParameterDerivatives, Parameters};
 pub use per_axis::PerAxis;
 pub use per_parameter::{Parameter, PerParameter};
+pub use residuals::PlaneResidual;
 pub use second_derivatives::ParameterSecondDerivatives;

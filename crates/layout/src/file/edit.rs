@@ -122,7 +122,7 @@ fn patch(own: &mut dyn TableLike, before: &Table, after: &Table, items: &dyn Tab
 }
 
 /// Sets the value of a key. Comments beside it stay.
-fn set(own: &mut dyn TableLike, key: &str, mut item: Item) {
+pub(super) fn set(own: &mut dyn TableLike, key: &str, mut item: Item) {
     unplace(&mut item);
     match (own.get_mut(key), item) {
         (Some(Item::Value(toml_edit::Value::Array(own))), Item::Value(toml_edit::Value::Array(new)))

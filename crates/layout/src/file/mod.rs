@@ -34,6 +34,8 @@ mod read;
 pub(crate) mod schema;
 /// Sentences about values of a wrong type.
 mod sentence;
+/// Values set in the text of a layout file.
+pub(crate) mod set;
 /// The text of a layout file.
 pub(crate) mod text;
 

@@ -1,7 +1,7 @@
 //! Each decoupling parameter along its own axis, its spread over the two other axes, and the
 //! straight line of the ideal film; below each the residual as a displacement.
 
-use magsplice::decouple::{Parameter, PlaneStatistics};
+use magsplice::decouple::{Parameter, PlaneResidual, PlaneStatistics};
 use plotters::prelude::RGBColor;
 
 use crate::colours::{BLUE, VERMILION};
@@ -54,7 +54,9 @@ pub(crate) fn draft(
     ranges: &SharedRanges,
 ) -> Result<FigureDraft, ReportError> {
     let values = [0, 1, 2].map(|which| planes(survey, against, which));
-    let residuals_um = [0, 1, 2].map(|which| residuals_um(survey, against, which, &values[which]));
+    let residuals =
+        against.decoupling.residuals(&survey.volume.grid, survey.volume.reference_mm, against.film.wavenumber());
+    let residuals_um = [residuals.x, residuals.y, residuals.z].map(|of| residuals_um(&of));
     let along = AlongAxes { values, residuals_um, uniformity_rmse: against.decoupling.uniformity_rmse.to_array() };
     FigureDraft::new("parameters-along-axes", CAPTION, along.draw(ranges), along.csv())
 }
@@ -177,30 +179,18 @@ fn planes(survey: &Survey, against: &AgainstIdeal, which: usize) -> Vec<Paramete
         .collect()
 }
 
-/// The planes as residuals: the displacement from the reference point that the parameter shows (Eq.
-/// 14) minus the true one, in um. The ideal film has none.
-fn residuals_um(
-    survey: &Survey,
-    against: &AgainstIdeal,
-    which: usize,
-    planes: &[ParameterPlane],
-) -> Vec<ParameterPlane> {
-    let at_reference = against.decoupling.at_reference.get(Parameter::ALL[which]);
-    // R_x and R_y fall along their axes, S_z rises.
-    let um_per_unit = UM_PER_MM / against.film.wavenumber() * if which == 2 { 1.0 } else { -1.0 };
-    let residual = |plane: &ParameterPlane| {
-        let true_um = UM_PER_MM * (plane.at_mm - survey.volume.reference_mm[which]);
-        let of = |v: f64| um_per_unit * (v - at_reference) - true_um;
-        let PlaneStatistics { mean, deviation, least, most } = plane.over;
+/// The residuals of the displacements along an axis, in um. The ideal film has none.
+fn residuals_um(residuals: &[PlaneResidual]) -> Vec<ParameterPlane> {
+    let residual = |PlaneResidual { at_mm, over_mm }: &PlaneResidual| {
         let over = PlaneStatistics {
-            mean: of(mean),
-            deviation: deviation.map(|deviation| um_per_unit.abs() * deviation),
-            least: of(least).min(of(most)),
-            most: of(least).max(of(most)),
+            mean: UM_PER_MM * over_mm.mean,
+            deviation: over_mm.deviation.map(|deviation| UM_PER_MM * deviation),
+            least: UM_PER_MM * over_mm.least,
+            most: UM_PER_MM * over_mm.most,
         };
-        ParameterPlane { at_mm: plane.at_mm, over, ideal: 0.0 }
+        ParameterPlane { at_mm: *at_mm, over, ideal: 0.0 }
     };
-    planes.iter().map(residual).collect()
+    residuals.iter().map(residual).collect()
 }
 
 /// A number with four decimals, or with three digits where four decimals would not show it.
