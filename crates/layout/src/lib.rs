@@ -116,7 +116,7 @@ pub use expectations::{Expectations, ExpectedField, FigureBounds, MadeExpectatio
 pub use file::PlainLayout;
 pub use file::edit::TileForm;
 pub use file::schema::schema;
-pub use file::set::{PathStep, TextEdit, TextEditError, edited_text};
+pub use file::set::{PathStep, TextEdit, TextEditError, document_of, edited_text};
 pub use file::text::is_layout;
 pub use finding::{Finding, FindingSubject};
 pub use head::StatedHead;

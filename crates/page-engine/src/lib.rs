@@ -9,7 +9,16 @@
 
 /// The buffer, and the functions that a page calls.
 pub mod buffer;
+/// The numbers of a film, and maps of them.
+mod evaluated;
+/// Changed tiles, written into the text of their layout.
+mod keep;
+/// What a page asks for.
+mod request;
 /// A layout that is edited and evaluated.
 mod session;
+/// A layout as a page shows it.
+mod state;
 
-pub use session::{Request, Session, TileEdit};
+pub use request::{MapQuantity, Request, TileEdit};
+pub use session::{Observer, Session};

@@ -1,80 +1,43 @@
 //! A layout that is edited and evaluated.
 
-use std::time::Duration;
+use std::ops::ControlFlow;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use magsplice::Film;
-use magsplice::layout::{Layout, PlainLayout};
+use magsplice::decouple::Figures;
+use magsplice::design::{DesignProblem, ProgressUpdate, SearchStage};
+use magsplice::layout::{Layout, LayoutError, TileForm, edited_text};
 use magsplice::magnet::overlaps;
-use magsplice::prelude::{DVec3, Quantity, Tile};
-use magsplice::results::{CheckedExpectation, FilmEvaluation};
-use serde::{Deserialize, Serialize};
+use magsplice::prelude::{DVec3, Tile};
+use magsplice::tolerance::{Statistics, statistics};
+use serde::Serialize;
 use serde_json::Value;
 
-/// What a page asks for.
-#[derive(Debug, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Request {
-    /// Reads a layout; it replaces the one before. The answer is the layout in the plain form.
-    Open {
-        /// Its text, TOML.
-        text: String,
-        /// Its name in messages.
-        name: String,
-    },
-    /// Changes tiles. The answer is the pairs of tiles that then overlap.
-    Edit {
-        /// The changes.
-        tiles: Vec<TileEdit>,
-    },
-    /// Evaluates the film over its working volume.
-    Evaluate {
-        /// Whether tiles keep their polarization, whatever their recoil permeability: faster, while
-        /// a tile is dragged.
-        rigid: bool,
-    },
-    /// B on a plane of constant z, of tiles that keep their polarization whatever their recoil
-    /// permeability: a picture. Numbers are those of `Evaluate`.
-    Map {
-        /// Corners along x and y, in millimetres.
-        lower_mm: [f64; 2],
-        /// The opposite corner.
-        upper_mm: [f64; 2],
-        /// The height.
-        z_mm: f64,
-        /// Number of points along x and y, at least 2 and at most 1000 each.
-        counts: [usize; 2],
-    },
-    /// The film as a layout file.
-    Write,
-}
+use crate::evaluated::{Evaluated, Mapped};
+use crate::keep::text_with_tiles;
+use crate::request::{Request, TileEdit};
+use crate::state::State;
 
-/// The new numbers of a tile. What is not given stays.
-#[derive(Debug, Deserialize)]
-pub struct TileEdit {
-    /// Index of the tile.
-    pub tile: usize,
-    /// Centre.
-    pub position_mm: Option<DVec3>,
-    /// Sides.
-    pub size_mm: Option<DVec3>,
-    /// Polarization in its own frame.
-    pub polarization_t: Option<DVec3>,
-}
-
-/// Most points along an axis of a map: a screen has few more.
-const MOST_POINTS: usize = 1000;
+/// Observes long requests. It receives JSON, and stops the work with [`ControlFlow::Break`].
+pub type Observer<'o> = &'o mut (dyn FnMut(&str) -> ControlFlow<()> + Send);
 
 /// The layout of a page.
 #[derive(Debug, Default)]
 pub struct Session {
-    layout: Option<Layout>,
+    open: Option<OpenLayout>,
 }
 
-/// A layout that was read.
-#[derive(Serialize)]
-struct Opened {
-    layout: PlainLayout,
-    findings: Vec<String>,
+#[derive(Debug)]
+struct OpenLayout {
+    name: String,
+    text: String,
+    /// The layout of the text, with the tiles of later edits.
+    layout: Layout,
+    /// The film of the layout, if it was evaluated, and whether it is rigid.
+    film: Option<(bool, Film)>,
+    /// The samples of films as made so far, and their seed.
+    made: Option<(u64, Vec<Figures>)>,
 }
 
 /// Two tiles that overlap.
@@ -84,73 +47,108 @@ struct OverlappingPair {
     depth_mm: f64,
 }
 
-/// The numbers of a film.
+/// Samples of films as made.
 #[derive(Serialize)]
-struct Evaluated {
-    evaluation: FilmEvaluation,
-    /// Outcomes of `[expect]`; those of films as made need samples and are left out.
-    expectations: Vec<CheckedExpectation>,
+struct Made {
+    samples: usize,
+    /// Statistics of the figures.
+    #[serde(flatten)]
+    figures: Figures<Statistics>,
+    /// Statistics of the displacement RMSE along all axes together, in millimetres.
+    displacement_mm: Statistics,
+    /// The displacement RMSE along all axes together of each sample, in millimetres.
+    displacements_mm: Vec<f64>,
 }
 
-/// B on a plane.
+/// A film that a search found.
 #[derive(Serialize)]
-struct Mapped {
-    /// B in tesla, y fastest; null where it does not exist.
-    b_t: Vec<[Option<f64>; 3]>,
+struct Improved {
+    state: State,
+    /// Root mean square of the weighted residuals before and after, as in
+    /// [`ProgressUpdate`](magsplice::design::ProgressUpdate).
+    before: Option<f64>,
+    after: Option<f64>,
+    /// Whether the search ended by itself.
+    is_finished: bool,
 }
 
 impl Session {
     /// The answer to a request, both as JSON.
     pub fn answer(&mut self, request: &[u8]) -> String {
+        self.answer_reporting(request, &mut |_| ControlFlow::Continue(()))
+    }
+
+    /// The answer to a request, whose work is observed.
+    pub fn answer_reporting(&mut self, request: &[u8], observer: Observer) -> String {
         let answered = serde_json::from_slice(request).map_err(|error| error.to_string());
-        let answered = answered.and_then(|request| self.evaluated(request));
+        let answered = answered.and_then(|request| self.evaluated(request, observer));
         match answered {
             Ok(value) => format!("{{\"ok\":{value}}}"),
             Err(error) => format!("{{\"error\":{}}}", Value::from(error)),
         }
     }
 
-    fn evaluated(&mut self, request: Request) -> Result<String, String> {
+    fn evaluated(&mut self, request: Request, observer: Observer) -> Result<String, String> {
+        if let Request::Open { text, name } = request {
+            let layout = read(&text, &name)?;
+            let open = self.open.insert(OpenLayout { name, text, layout, film: None, made: None });
+            return json(&open.state());
+        }
+        let open = self.open.as_mut().ok_or("no layout is open")?;
         match request {
-            Request::Open { text, name } => {
-                let layout = Layout::parse(&text, &name).map_err(|error| error.to_string())?;
-                let findings = layout.findings.iter().map(ToString::to_string).collect();
-                let opened = Opened { layout: layout.plain(), findings };
-                self.layout = Some(layout);
-                json(&opened)
+            Request::Open { .. } => unreachable!("answered above"),
+            Request::Set { edits } => {
+                let text = edited_text(&open.text, &edits).map_err(|error| error.to_string())?;
+                open.replace(text)?;
+                json(&open.state())
             }
-            Request::Edit { tiles } => json(&self.edit(&tiles)?),
-            Request::Evaluate { rigid } => json(&self.evaluate(rigid)?),
-            Request::Map { lower_mm, upper_mm, z_mm, counts } => {
-                if !counts.iter().all(|count| (2..=MOST_POINTS).contains(count)) {
-                    return Err(format!("counts = {counts:?}, must be from 2 to {MOST_POINTS}"));
-                }
-                let at = |axis: usize, index: usize| {
-                    let share = index as f64 / (counts[axis] - 1) as f64;
-                    lower_mm[axis] + share * (upper_mm[axis] - lower_mm[axis])
-                };
-                let points: Vec<DVec3> = (0..counts[0])
-                    .flat_map(|i| (0..counts[1]).map(move |j| (i, j)))
-                    .map(|(i, j)| DVec3::new(at(0, i), at(1, j), z_mm))
-                    .collect();
-                let mut b_t = vec![DVec3::NAN; points.len()];
-                // Points without a field keep NaN.
-                let _ =
-                    Film::rigid(self.layout()?.clone()).scene().field_into(Quantity::FluxDensity, &points, &mut b_t);
-                let shown = |b: DVec3| b.to_array().map(|value| value.is_finite().then_some(value));
-                json(&Mapped { b_t: b_t.into_iter().map(shown).collect() })
+            Request::Edit { tiles } => json(&open.edit(&tiles)?),
+            Request::Keep => {
+                let read = |text: &str| Layout::parse(text, &open.name);
+                let text = text_with_tiles(&open.layout, &open.text, read).map_err(|error| error.to_string())?;
+                open.replace(text)?;
+                json(&open.state())
             }
-            Request::Write => json(&self.layout()?.to_toml()),
+            Request::Evaluate { rigid } => json(&Evaluated::of(open.film(rigid)?).map_err(|error| error.to_string())?),
+            Request::Map { quantity, axis, z_mm, counts, rigid } => {
+                json(&Mapped::of(open.film(rigid)?, quantity, axis, z_mm, counts)?)
+            }
+            Request::Budget { samples } => {
+                json(&open.film(false)?.budget(1, samples.max(1)).map_err(|error| error.to_string())?)
+            }
+            Request::Made { add, seed } => json(&open.made(add, seed)?),
+            Request::Improve { steps } => json(&open.improve(steps, observer)?),
         }
     }
+}
 
-    fn layout(&self) -> Result<&Layout, String> {
-        self.layout.as_ref().ok_or_else(|| "no layout is open".to_owned())
+impl OpenLayout {
+    fn state(&self) -> State {
+        State::of(&self.layout, &self.text)
+    }
+
+    fn replace(&mut self, text: String) -> Result<(), String> {
+        let layout = read(&text, &self.name)?;
+        (self.text, self.layout, self.film, self.made) = (text, layout, None, None);
+        Ok(())
+    }
+
+    /// The prepared film.
+    fn film(&mut self, rigid: bool) -> Result<&Film, String> {
+        let rigid = rigid || !self.layout.has_recoil();
+        if self.film.as_ref().is_none_or(|(known, _)| *known != rigid) {
+            let mut layout = self.layout.clone();
+            layout.expectations.made = None;
+            let film =
+                if rigid { Film::rigid(layout) } else { Film::new(layout).map_err(|error| error.to_string())? };
+            self.film = Some((rigid, film));
+        }
+        self.film.as_ref().map(|(_, film)| film).ok_or_else(|| "no film".to_owned())
     }
 
     /// Changes all of the tiles, or none if one cannot exist.
     fn edit(&mut self, edits: &[TileEdit]) -> Result<Vec<OverlappingPair>, String> {
-        let layout = self.layout.as_mut().ok_or("no layout is open")?;
+        let layout = &mut self.layout;
         let changed = |edit: &TileEdit| {
             let named = layout.tiles.get(edit.tile).ok_or_else(|| format!("there is no tile {}", edit.tile))?;
             let (tile, given) = (&named.tile, |new: Option<DVec3>, old| new.unwrap_or(old));
@@ -161,24 +159,67 @@ impl Session {
         };
         let changed = edits.iter().map(changed).collect::<Result<Vec<(usize, Tile)>, String>>()?;
         changed.into_iter().for_each(|(tile, changed)| layout.tiles[tile].tile = changed);
-        let bare = layout.bare_tiles();
-        let pairs = overlaps(&bare).filter(|pair| pair.depth > layout.overlap_mm);
+        (self.film, self.made) = (None, None);
+        let bare = self.layout.bare_tiles();
+        let pairs = overlaps(&bare).filter(|pair| pair.depth > self.layout.overlap_mm);
         Ok(pairs.map(|pair| OverlappingPair { tiles: [pair.first, pair.second], depth_mm: pair.depth }).collect())
     }
 
-    fn evaluate(&self, rigid: bool) -> Result<Evaluated, String> {
-        let mut layout = self.layout()?.clone();
-        layout.expectations.made = None;
-        let film = if rigid { Ok(Film::rigid(layout)) } else { Film::new(layout) };
-        let film = film.map_err(|error| error.to_string())?;
-        let evaluation = film.evaluate().map_err(|error| error.to_string())?;
-        let outcomes = film.outcomes(None).into_iter();
-        let expectations = outcomes.map(|(expectation, outcome)| {
-            let outcome = outcome.map_err(|error| error.to_string());
-            CheckedExpectation::new(expectation, outcome, film.layout(), Duration::ZERO)
-        });
-        Ok(Evaluated { expectations: expectations.collect(), evaluation })
+    fn made(&mut self, add: u64, seed: u64) -> Result<Made, String> {
+        let known = self.made.take().filter(|(known, _)| *known == seed);
+        let mut samples = known.map(|(_, samples)| samples).unwrap_or_default();
+        let film = Film::new(self.layout.clone()).map_err(|error| error.to_string())?;
+        let sampling = film.sampling().map_err(|error| error.to_string())?;
+        let first = samples.len() as u64;
+        let sampler = sampling.sampler(seed).map_err(|error| error.to_string())?;
+        let added = sampler.errors_of_range(first..first + add.max(1), || {});
+        samples.extend(added.map_err(|(sample, error)| format!("sample {sample}: {error}"))?);
+        let displacements_mm: Vec<f64> =
+            samples.iter().map(|of| DVec3::from(of.displacement_rmse_mm).length()).collect();
+        let none = || "a sample has no errors of the displacement".to_owned();
+        let made = Made {
+            samples: samples.len(),
+            figures: statistics(&samples).ok_or_else(none)?,
+            displacement_mm: Statistics::new(displacements_mm.iter().copied()).ok_or_else(none)?,
+            displacements_mm,
+        };
+        self.made = Some((seed, samples));
+        Ok(made)
     }
+
+    fn improve(&mut self, steps: usize, observer: Observer) -> Result<Improved, String> {
+        let problem = DesignProblem::new(&self.layout).map_err(|error| error.to_string())?;
+        let (seen, errors, observer) = (AtomicUsize::new(0), Mutex::new(Vec::new()), Mutex::new(observer));
+        let stopped = |update: ProgressUpdate| {
+            if let (Some(best), SearchStage::Starts) = (update.best, update.stage) {
+                errors.lock().expect("no panic holds it").push(best);
+                let told = format!("{{\"best\":{best}}}");
+                if (observer.lock().expect("no panic holds it"))(&told).is_break() {
+                    return ControlFlow::Break(());
+                }
+            }
+            match seen.fetch_add(1, Ordering::Relaxed) >= steps {
+                true => ControlFlow::Break(()),
+                false => ControlFlow::Continue(()),
+            }
+        };
+        let found = problem.search(&stopped).map_err(|error| error.to_string())?;
+        let is_finished = !found.interrupted;
+        let layout = problem.designed_layout(&found, "magsplice page");
+        let text = layout.to_edited_toml(TileForm::Compact, "", &self.name).map_err(|error| error.to_string())?;
+        self.replace(text)?;
+        let errors = errors.into_inner().expect("no panic holds it");
+        Ok(Improved {
+            state: self.state(),
+            before: errors.first().copied(),
+            after: errors.last().copied(),
+            is_finished,
+        })
+    }
+}
+
+fn read(text: &str, name: &str) -> Result<Layout, String> {
+    Layout::parse(text, name).map_err(|error: LayoutError| error.to_string())
 }
 
 fn json(value: &impl Serialize) -> Result<String, String> {
@@ -197,7 +238,7 @@ mod tests {
         let text = std::fs::read_to_string(format!("../../layouts/{name}.toml")).expect("readable");
         let mut session = Session::default();
         let answer = ask(&mut session, &serde_json::json!({ "open": { "text": text, "name": name } }));
-        assert_eq!(answer["ok"]["layout"]["tile"].as_array().expect("tiles").len(), 56);
+        assert_eq!(answer["ok"]["tiles"].as_array().expect("tiles").len(), 56);
         session
     }
 
@@ -219,11 +260,11 @@ mod tests {
     #[test]
     fn edits_are_made_together_or_not_at_all() {
         let mut session = opened("published-film");
-        let before = ask(&mut session, &serde_json::json!("write"));
+        let before = ask(&mut session, &serde_json::json!("keep"));
         let size = serde_json::json!([{ "tile": 0, "position_mm": [9, 9, 9] }, { "tile": 1, "size_mm": [1, 1, 0] }]);
         let refused = ask(&mut session, &serde_json::json!({ "edit": { "tiles": size } }));
         assert!(refused["error"].as_str().expect("a message").starts_with("tile \"film-x1-y4\""), "{refused}");
-        assert_eq!(ask(&mut session, &serde_json::json!("write")), before);
+        assert_eq!(ask(&mut session, &serde_json::json!("keep")), before);
         let moved = serde_json::json!([{ "tile": 0, "position_mm": [-9.575, -7.0, 0.5] }]);
         let moved = ask(&mut session, &serde_json::json!({ "edit": { "tiles": moved } }));
         assert_eq!(moved, serde_json::json!({ "ok": [] }));
@@ -244,8 +285,128 @@ mod tests {
             assert!(answer["error"].is_string(), "{request}: {answer}");
         }
         let mut session = opened("published-film");
-        let map = |counts: [usize; 2]| serde_json::json!({ "map": { "lower_mm": [-2, -2], "upper_mm": [2, 2], "z_mm": -3, "counts": counts } });
-        assert_eq!(ask(&mut session, &map([2, 3]))["ok"]["b_t"].as_array().expect("values").len(), 6);
+        let map = |counts: [usize; 2]| serde_json::json!({ "map": { "quantity": "flux_density", "axis": 2, "z_mm": -3, "counts": counts, "rigid": true } });
+        assert_eq!(ask(&mut session, &map([2, 3]))["ok"]["values"].as_array().expect("values").len(), 6);
         assert!(ask(&mut session, &map([1 << 40, 2]))["error"].is_string());
+    }
+
+    const COMPACT: &str = r#"format = 1
+name = "two pairs" # of squares
+[ideal]
+wavelength_mm = 10.0
+thickness_mm = 1.0
+amplitude_t = 0.12
+[volume]
+x_mm = [-1.0, 1.0]
+y_mm = [-1.0, 1.0]
+z_mm = [-4.0, -3.0] # below
+step_mm = 0.5
+[kind.square]
+size_mm = [3.3, 3.3, 1.0]
+strength_t = 0.12
+[[tile]]
+name = "a" # the first
+kind = "square"
+position_mm = [2.5, 2.5, 0.5] # by hand
+direction_deg = 45.0
+mirror = { axes = ["x", "y"] }
+"#;
+
+    fn state_after(session: &mut Session, request: &Value) -> Value {
+        let answer = ask(session, request);
+        assert!(answer["ok"]["text"].is_string(), "{answer}");
+        answer["ok"].clone()
+    }
+
+    /// An entry changes in place with its images, beside its comments.
+    #[test]
+    fn kept_tiles_change_their_own_entries() {
+        let mut session = Session::default();
+        let state = state_after(&mut session, &serde_json::json!({ "open": { "text": COMPACT, "name": "pairs" } }));
+        let j = 0.12 * 0.5_f64.sqrt();
+        let moves: Vec<Value> = (0..4)
+            .map(|tile| {
+                let at = &state["tiles"][tile]["position_mm"];
+                let [x, y] = [0, 1].map(|axis| at[axis].as_f64().expect("a number"));
+                let j_t = [x.signum() * 0.12 * 0.6, y.signum() * 0.12 * 0.8, 0.0];
+                assert!((state["tiles"][tile]["polarization_t"][0].as_f64().unwrap().abs() - j).abs() < 1e-12);
+                serde_json::json!({ "tile": tile, "position_mm": [1.1 * x, y, 0.5], "polarization_t": j_t })
+            })
+            .collect();
+        assert_eq!(
+            ask(&mut session, &serde_json::json!({ "edit": { "tiles": moves } })),
+            serde_json::json!({ "ok": [] })
+        );
+        let kept = state_after(&mut session, &serde_json::json!("keep"));
+        let expected = COMPACT.replace("[2.5, 2.5, 0.5]", "[2.75, 2.5, 0.5]").replace("45.0", "53.1301023542");
+        assert_eq!(kept["text"], expected);
+        // Without its images no entry gives the tile: all tiles are written.
+        let one = serde_json::json!({ "edit": { "tiles": [{ "tile": 0, "position_mm": [3.0, 2.5, 0.5] }] } });
+        assert_eq!(ask(&mut session, &one), serde_json::json!({ "ok": [] }));
+        let kept = state_after(&mut session, &serde_json::json!("keep"));
+        let text = kept["text"].as_str().expect("a text");
+        assert_eq!(text.matches("[[tile]]").count(), 4);
+        assert!(text.contains("z_mm = [-4.0, -3.0] # below\n"), "{text}");
+    }
+
+    /// Overlaps last while a tile is dragged, and are never kept.
+    #[test]
+    fn overlapping_tiles_are_not_kept() {
+        let mut session = Session::default();
+        state_after(&mut session, &serde_json::json!({ "open": { "text": COMPACT, "name": "pairs" } }));
+        let onto = serde_json::json!({ "edit": { "tiles": [{ "tile": 0, "position_mm": [0.0, 2.5, 0.5] }] } });
+        assert!(ask(&mut session, &onto)["ok"][0]["depth_mm"].as_f64().expect("a depth") > 0.7);
+        assert!(
+            ask(&mut session, &serde_json::json!("keep"))["error"].as_str().expect("a message").contains("overlap")
+        );
+    }
+
+    #[test]
+    fn set_values_break_no_rule() {
+        let mut session = Session::default();
+        state_after(&mut session, &serde_json::json!({ "open": { "text": COMPACT, "name": "pairs" } }));
+        let set =
+            |path: &[&str], value: Value| serde_json::json!({ "set": { "edits": [{ "path": path, "value": value }] } });
+        let lower = state_after(&mut session, &set(&["volume", "z_mm"], serde_json::json!([-5.0, -4.0])));
+        assert_eq!(lower["text"], COMPACT.replace("[-4.0, -3.0]", "[-5.0, -4.0]"));
+        let broken = ask(&mut session, &set(&["volume", "z_mm"], serde_json::json!([-3.0, -4.0])));
+        assert!(broken["error"].as_str().expect("a message").contains("z_mm"), "{broken}");
+        assert_eq!(ask(&mut session, &serde_json::json!("keep"))["ok"]["text"], lower["text"]);
+    }
+
+    /// Samples add up: parts give the statistics of all at once.
+    #[test]
+    fn samples_and_budget_need_errors() {
+        let mut session = Session::default();
+        state_after(&mut session, &serde_json::json!({ "open": { "text": COMPACT, "name": "pairs" } }));
+        let made = |add: u64| serde_json::json!({ "made": { "add": add, "seed": 1 } });
+        assert!(ask(&mut session, &made(3))["error"].as_str().expect("a message").contains("[tolerance]"));
+        let jig = serde_json::json!({ "set": { "edits": [{ "path": ["tolerance", "preset"], "value": "jig" }] } });
+        state_after(&mut session, &jig);
+        ask(&mut session, &made(3));
+        let parts = ask(&mut session, &made(4));
+        state_after(&mut session, &jig);
+        assert_eq!(ask(&mut session, &made(7)), parts);
+        assert_eq!(parts["ok"]["samples"], 7);
+        let budget = ask(&mut session, &serde_json::json!({ "budget": { "samples": 5 } }));
+        assert!(budget["ok"]["parts"].as_array().expect("parts").len() > 2, "{budget}");
+    }
+
+    /// Steps of a search make the film better, and are observed.
+    #[test]
+    fn search_goes_on_from_the_film_found() {
+        let mut session = opened("published-film");
+        let mut seen = Vec::new();
+        let request = serde_json::json!({ "improve": { "steps": 3 } }).to_string();
+        let answer = session.answer_reporting(request.as_bytes(), &mut |line| {
+            seen.push(line.to_owned());
+            ControlFlow::Continue(())
+        });
+        let answer: Value = serde_json::from_str(&answer).expect("JSON");
+        assert!(!seen.is_empty());
+        let error = |value: &Value| value.as_f64().expect("a number");
+        assert!(error(&answer["ok"]["after"]) <= error(&answer["ok"]["before"]), "{answer}");
+        let again = ask(&mut session, &serde_json::json!({ "improve": { "steps": 3 } }));
+        assert!(error(&again["ok"]["after"]) < error(&answer["ok"]["before"]), "{again}");
     }
 }

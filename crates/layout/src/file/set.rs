@@ -78,6 +78,17 @@ pub fn edited_text(text: &str, edits: &[TextEdit]) -> Result<String, TextEditErr
     Ok(if text.contains("\r\n") { written.replace("\r\n", "\n").replace('\n', "\r\n") } else { written })
 }
 
+/// The tables of the text of a layout file, as they are written. Numbers that JSON lacks, such as
+/// inf, are null.
+///
+/// # Errors
+/// If the text is not TOML.
+pub fn document_of(text: &str) -> Result<Value, TextEditError> {
+    let not_toml = |error: String| TextEditError::NotToml(error);
+    let table: toml::Table = toml::from_str(text).map_err(|error| not_toml(error.to_string()))?;
+    serde_json::to_value(table).map_err(|error| not_toml(error.to_string()))
+}
+
 /// A path as people write it: `tile[2].position_mm`.
 fn written(path: &[PathStep]) -> String {
     let step = |step: &PathStep| match step {

@@ -1,0 +1,108 @@
+//! One HTML page on which a spliced magnet film is edited and evaluated.
+//!
+//! [`live_page`] puts the modules in `page/` into one file, with the layout, and with the engine if
+//! the page has its own. An import map names the modules, so that the page loads no other file and
+//! the modules are tested as they are. The page asks its engine for every number; see
+//! `crates/page-engine`.
+
+use std::fmt::Write;
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use serde_json::json;
+
+/// A page to write.
+#[derive(Clone, Copy, Debug)]
+pub struct LivePage<'a> {
+    /// Name of the layout's file, in messages and downloads.
+    pub name: &'a str,
+    /// The layout, TOML. A broken one is shown with its message.
+    pub text: &'a str,
+    /// Where the numbers come from.
+    pub engine: PageEngine<'a>,
+}
+
+/// Where the numbers of a page come from.
+#[derive(Clone, Copy, Debug)]
+pub enum PageEngine<'a> {
+    /// The WebAssembly module of `crates/page-engine`, compressed by gzip, inside the page.
+    Module(&'a [u8]),
+    /// The server of the page: `engine`, `file` and `events` beside it.
+    Server,
+}
+
+const PAGE: &str = include_str!("../page/page.html");
+const STYLE: &str = include_str!("../page/page.css");
+
+/// The modules by the names under which they import each other.
+const MODULES: [(&str, &str); 1] = [("#start", include_str!("../page/start.js"))];
+
+/// The page as HTML.
+pub fn live_page(page: &LivePage) -> String {
+    let (engine, module) = match page.engine {
+        PageEngine::Module(module) => ("module", STANDARD.encode(module)),
+        PageEngine::Server => ("server", String::new()),
+    };
+    let source = json!({ "name": page.name, "text": page.text, "engine": engine });
+    let imports: serde_json::Map<String, serde_json::Value> = MODULES
+        .iter()
+        .map(|(name, text)| {
+            let url = format!("data:text/javascript;base64,{}", STANDARD.encode(text));
+            ((*name).to_owned(), url.into())
+        })
+        .collect();
+    let parts = [
+        ("{{title}}", escaped(page.name)),
+        ("{{version}}", env!("CARGO_PKG_VERSION").to_owned()),
+        ("{{style}}", STYLE.to_owned()),
+        ("{{imports}}", in_script(&json!({ "imports": imports }).to_string())),
+        ("{{source}}", in_script(&source.to_string())),
+        ("{{module}}", module),
+    ];
+    filled(PAGE, &parts)
+}
+
+/// A template with its placeholders replaced. Inserted text is not searched for placeholders.
+fn filled(template: &str, parts: &[(&str, String)]) -> String {
+    let mut text = String::new();
+    let mut rest = template;
+    while let Some((at, (placeholder, part))) =
+        parts.iter().filter_map(|part| Some((rest.find(part.0)?, part))).min_by_key(|(at, _)| *at)
+    {
+        let _ = write!(text, "{}{part}", &rest[..at]);
+        rest = &rest[at + placeholder.len()..];
+    }
+    text + rest
+}
+
+/// Text with the characters escaped that HTML gives a meaning.
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+/// JSON that cannot close the script element around it.
+fn in_script(json: &str) -> String {
+    json.replace('<', "\\u003c")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hostile_names_stay_text() {
+        let name = "</script><script>alert(1)</script>\"{{module}}";
+        let page = live_page(&LivePage { name, text: "</script>{{source}}", engine: PageEngine::Server });
+        assert!(!page.contains("alert(1)</script>"), "{page}");
+        assert!(page.contains("\\u003c/script>\\u003cscript>alert(1)"));
+        assert!(page.contains("&lt;/script&gt;&lt;script&gt;alert(1)"));
+        assert!(!page.contains("{{style}}") && page.contains("{{module}}"));
+    }
+
+    #[test]
+    fn page_holds_the_module() {
+        let page = |engine| live_page(&LivePage { name: "film.toml", text: "format = 1", engine });
+        assert!(page(PageEngine::Module(&[1, 2, 3])).contains("AQID"));
+        assert!(page(PageEngine::Server).contains("\"engine\":\"server\""));
+    }
+}
