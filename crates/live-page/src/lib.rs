@@ -35,7 +35,30 @@ const PAGE: &str = include_str!("../page/page.html");
 const STYLE: &str = include_str!("../page/page.css");
 
 /// The modules by the names under which they import each other.
-const MODULES: [(&str, &str); 1] = [("#start", include_str!("../page/start.js"))];
+macro_rules! modules {
+    ($($name:literal),* $(,)?) => { [$((concat!("#", $name), include_str!(concat!("../page/", $name, ".js")))),*] };
+}
+const MODULES: [(&str, &str); 19] = modules![
+    "axis",
+    "background",
+    "causes",
+    "colours",
+    "curves",
+    "engine",
+    "file_link",
+    "film_view",
+    "format",
+    "improve",
+    "link",
+    "map_view",
+    "model",
+    "results",
+    "start",
+    "surroundings",
+    "symmetry",
+    "tile_list",
+    "toolbar",
+];
 
 /// The page as HTML.
 pub fn live_page(page: &LivePage) -> String {
@@ -54,6 +77,7 @@ pub fn live_page(page: &LivePage) -> String {
     let parts = [
         ("{{title}}", escaped(page.name)),
         ("{{version}}", env!("CARGO_PKG_VERSION").to_owned()),
+        ("{{connect}}", if engine == "server" { "'self'" } else { "'none'" }.to_owned()),
         ("{{style}}", STYLE.to_owned()),
         ("{{imports}}", in_script(&json!({ "imports": imports }).to_string())),
         ("{{source}}", in_script(&source.to_string())),

@@ -1,0 +1,126 @@
+// The error of the sensor in use, by cause, and the films that a workshop makes.
+
+import { difference, element, number, set, short } from "#format";
+import { Background } from "#background";
+
+// Exact samples that check the first order of the budget.
+const CHECKING_SAMPLES = 20;
+// Films that *Made* evaluates, and films of a step, after which the page shows them.
+const [FILMS, STEP] = [200, 20];
+const BINS = 24;
+
+/** @typedef {{ name: string, squares: number, rms_mm: number }} CauseRow */
+
+/** The causes of a budget, the largest first: mean squares along all axes together.
+ * @param {any} budget @returns {{ total_mm: number, rows: CauseRow[] }} */
+export function causesOf(budget) {
+  const sum = (/** @type {any} */ of) => of.x + of.y + of.z;
+  const rows = budget.parts.map((/** @type {any} */ part) => {
+    const squares = sum(part.mean_square_mm2);
+    return { name: part.name, squares, rms_mm: Math.sign(squares) * Math.sqrt(Math.abs(squares)) };
+  });
+  rows.sort((/** @type {CauseRow} */ a, /** @type {CauseRow} */ b) => b.squares - a.squares);
+  return { total_mm: Math.sqrt(Math.max(0, sum(budget.total_mm2))), rows: rows.filter((/** @type {CauseRow} */ row) => row.squares !== 0) };
+}
+
+/** @param {import("#model").Model} model @param {HTMLElement} place @param {() => import("#engine").Engine} newEngine */
+export function showCauses(model, place, newEngine) {
+  const title = element("h2", {}, "Error in use, by cause");
+  const total = element("p", { class: "total", role: "status" });
+  const list = element("ol", { class: "causes", "aria-label": "Causes of the displacement error" });
+  const button = element("button", { type: "button", onclick: () => made() }, `Make ${FILMS} films`);
+  const films = element("div", { class: "made", role: "status" });
+  place.append(title, total, list, button, films);
+  const [background, making] = [new Background(newEngine), new Background(newEngine)];
+  /** @type {{ total_mm: number, rows: CauseRow[] } | null} */
+  let before = null;
+  /** @type {{ total_mm: number, rows: CauseRow[] } | null} */
+  let now = null;
+
+  const layout = () => ({ text: model.state?.text ?? "", name: model.name });
+
+  async function evaluate() {
+    making.stop();
+    films.replaceChildren();
+    set(button, { disabled: !model.state?.document?.tolerance });
+    if (!model.state?.document?.tolerance) {
+      background.stop();
+      [before, now] = [null, null];
+      list.replaceChildren();
+      total.textContent = "The layout states no errors. Switch on errors of tiles, a stray field or iron below, and each cause is shown here with its part.";
+      return;
+    }
+    const own = model.state.text;
+    try {
+      const budget = await background.run(layout(), (engine) => engine.ask({ budget: { samples: CHECKING_SAMPLES } }));
+      if (own !== model.state?.text) return;
+      [before, now] = [now, causesOf(budget)];
+      show();
+    } catch (error) {
+      if (own !== model.state?.text) return;
+      list.replaceChildren();
+      total.textContent = /** @type {Error} */ (error).message;
+    }
+  }
+
+  function show() {
+    if (!now) return;
+    const known = before;
+    const change = known ? ` (${difference(now.total_mm - known.total_mm)} mm)` : "";
+    total.textContent = `${number(now.total_mm)} mm RMS along x, y, z together${change}`;
+    const most = Math.max(...now.rows.map((row) => row.squares), 1e-300);
+    list.replaceChildren(
+      ...now.rows.map((row) => {
+        const old = known?.rows.find(({ name }) => name === row.name);
+        const by = known ? difference(row.rms_mm - (old?.rms_mm ?? 0)) : "";
+        const share = (row.squares / most) * 100;
+        return element(
+          "li",
+          {},
+          element("span", { class: "name" }, row.name),
+          element("span", { class: "bar" }, element("span", { style: `width:${Math.max(0, share).toFixed(1)}%` })),
+          element("span", { class: "value" }, row.squares < 0 ? `compensates ${short(-row.rms_mm, 3)} mm` : `${short(row.rms_mm, 3)} mm`),
+          element("span", { class: "change" }, by),
+        );
+      }),
+    );
+  }
+
+  async function made() {
+    if (making.isRunning) return making.stop();
+    const own = model.state?.text;
+    button.textContent = "Stop";
+    try {
+      await making.run(layout(), async (engine) => {
+        for (let count = 0; count < FILMS; count += STEP) {
+          const answer = await engine.ask({ made: { add: STEP, seed: 1 } });
+          if (own !== model.state?.text) return;
+          showFilms(answer);
+        }
+      });
+    } catch (error) {
+      const { message } = /** @type {Error} */ (error);
+      if (message !== "stopped") films.replaceChildren(element("p", { class: "message" }, message));
+    }
+    button.textContent = `Make ${FILMS} films`;
+  }
+
+  /** @param {any} answer */
+  function showFilms(answer) {
+    const values = answer.displacements_mm;
+    const [low, high] = [Math.min(...values), Math.max(...values)];
+    const counts = Array(BINS).fill(0);
+    for (const value of values) counts[Math.min(BINS - 1, Math.floor(((value - low) / (high - low || 1)) * BINS))] += 1;
+    const most = Math.max(...counts);
+    const bars = counts.map((count) => element("span", { style: `height:${((100 * count) / most).toFixed(1)}%` }));
+    const percentile = (/** @type {any} */ of) => short(of.p95.value, 3);
+    const axes = ["x", "y", "z"].map((axis) => `${axis} ${percentile(answer.displacement_rmse_mm[axis])}`).join(", ");
+    films.replaceChildren(
+      element("p", {}, `${answer.samples} films as made: displacement RMSE of 95 % of them at most ${percentile(answer.displacement_mm)} mm together; ${axes} mm.`),
+      element("div", { class: "histogram", role: "img", "aria-label": `Displacement RMSE of the films, from ${short(low, 3)} to ${short(high, 3)} mm` }, ...bars),
+      element("p", { class: "range" }, element("span", {}, `${short(low, 3)} mm`), element("span", {}, `${short(high, 3)} mm`)),
+    );
+  }
+
+  model.restListeners.push(evaluate);
+}

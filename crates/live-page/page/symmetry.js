@@ -1,0 +1,72 @@
+// The symmetry of a film: images of tiles, which a gesture moves together.
+
+/** @typedef {{ exchange: boolean, signs: [number, number] }} Operation */
+/** @typedef {{ name: string, position_mm: number[], size_mm: number[], polarization_t: number[], axes: number[][], is_strip: boolean }} Tile */
+/** @typedef {{ position_mm: number[], size_mm: number[], polarization_t: number[] }} Shape */
+
+// Images agree to a millionth of their size, as in the search for films.
+const SAME_TILE = 1e-6;
+const SIGNS = /** @type {[number, number][]} */ ([[1, 1], [-1, 1], [1, -1], [-1, -1]]);
+
+/** The operations of a symmetry of `[design]`, the identity first. @param {string} symmetry @returns {Operation[]} */
+export function operations(symmetry) {
+  const plain = SIGNS.map((signs) => ({ exchange: false, signs }));
+  if (symmetry === "four-fold") return [...plain, ...SIGNS.map((signs) => ({ exchange: true, signs }))];
+  return symmetry === "mirror" ? plain : plain.slice(0, 1);
+}
+
+/** The image of a point or of an arrow. @param {Operation} operation @param {number[]} vector @returns {number[]} */
+export function image({ exchange, signs }, [x, y, z]) {
+  const [a, b] = exchange ? [y, x] : [x, y];
+  return [signs[0] * a + 0, signs[1] * b + 0, z];
+}
+
+/** @param {Operation} operation @param {Shape} shape @returns {Shape} */
+function imageOfShape(operation, shape) {
+  return {
+    position_mm: image(operation, shape.position_mm),
+    size_mm: image(operation, shape.size_mm).map(Math.abs),
+    polarization_t: image(operation, shape.polarization_t),
+  };
+}
+
+/** @param {number[]} a @param {number[]} b @param {number} slack */
+const close = (a, b, slack) => a.every((value, i) => Math.abs(value - b[i]) <= slack);
+
+/** @param {Tile} tile */
+export const isAligned = (tile) => tile.axes.every((axis, i) => Math.abs(axis[i] - 1) < 1e-12);
+
+/** The tiles that are images of one tile, with their operations; the tile itself first. A tile without
+ * an image, or with a rotation, stands alone.
+ * @param {Tile[]} tiles @param {number} index @param {string} symmetry
+ * @returns {{ tile: number, operation: Operation }[]} */
+export function orbit(tiles, index, symmetry) {
+  const alone = [{ tile: index, operation: operations("none")[0] }];
+  const of = tiles[index];
+  if (!isAligned(of)) return alone;
+  const [length, strength] = [Math.max(...of.size_mm), Math.hypot(...of.polarization_t)];
+  const found = operations(symmetry).map((operation) => {
+    const wanted = imageOfShape(operation, of);
+    const tile = tiles.findIndex(
+      (other) =>
+        isAligned(other) &&
+        close(other.position_mm, wanted.position_mm, SAME_TILE * length) &&
+        close(other.size_mm, wanted.size_mm, SAME_TILE * length) &&
+        close(other.polarization_t, wanted.polarization_t, SAME_TILE * strength),
+    );
+    return { tile, operation };
+  });
+  return found.some(({ tile }) => tile < 0) ? alone : found;
+}
+
+/** The new shapes of all images of a tile. A tile that is its own image keeps that property.
+ * @param {{ tile: number, operation: Operation }[]} images @param {Shape} shape
+ * @returns {{ tile: number, position_mm: number[], size_mm: number[], polarization_t: number[] }[]} */
+export function editedImages(images, shape) {
+  const own = images.filter(({ tile }) => tile === images[0].tile).map(({ operation }) => imageOfShape(operation, shape));
+  const mean = (/** @type {keyof Shape} */ key) =>
+    shape[key].map((_, i) => own.reduce((sum, one) => sum + one[key][i], 0) / own.length);
+  const kept = { position_mm: mean("position_mm"), size_mm: mean("size_mm"), polarization_t: mean("polarization_t") };
+  const edits = new Map(images.map(({ tile, operation }) => [tile, { tile, ...imageOfShape(operation, kept) }]));
+  return [...edits.values()];
+}
