@@ -25,7 +25,7 @@ export function image({ exchange, signs }, [x, y, z]) {
 function imageOfShape(operation, shape) {
   return {
     position_mm: image(operation, shape.position_mm),
-    size_mm: image(operation, shape.size_mm).map(Math.abs),
+    size_mm: image({ ...operation, signs: [1, 1] }, shape.size_mm),
     polarization_t: image(operation, shape.polarization_t),
   };
 }

@@ -1,7 +1,7 @@
 // The tiles as a list: the same as the picture, for the keyboard and for screen readers.
 
 import { filmPolarization } from "#film_view";
-import { element, rounded, set, short, snapped } from "#format";
+import { element, rounded, set, snapped } from "#format";
 import { editedImages, isAligned, orbit } from "#symmetry";
 
 /** @typedef {import("#model").Model} Model */
@@ -109,6 +109,3 @@ export function showTileList(model, place) {
     set(fields, { class: overlap ? "fields overlapping" : "fields" });
   });
 }
-
-/** A tile in a sentence. @param {Tile} tile */
-export const describeTile = (tile) => `${tile.name} at (${tile.position_mm.map((c) => short(c)).join(", ")}) mm`;

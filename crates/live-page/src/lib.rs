@@ -5,11 +5,14 @@
 //! the modules are tested as they are. The page asks its engine for every number; see
 //! `crates/page-engine`.
 
-use std::fmt::Write;
-
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::json;
+
+use crate::html::{escaped, filled, in_script};
+
+/// Text inside a page.
+pub mod html;
 
 /// A page to write.
 #[derive(Clone, Copy, Debug)]
@@ -74,39 +77,24 @@ pub fn live_page(page: &LivePage) -> String {
             ((*name).to_owned(), url.into())
         })
         .collect();
-    let parts = [
-        ("{{title}}", escaped(page.name)),
-        ("{{version}}", env!("CARGO_PKG_VERSION").to_owned()),
-        ("{{connect}}", if engine == "server" { "'self'" } else { "'none'" }.to_owned()),
-        ("{{style}}", STYLE.to_owned()),
-        ("{{imports}}", in_script(&json!({ "imports": imports }).to_string())),
-        ("{{source}}", in_script(&source.to_string())),
-        ("{{module}}", module),
-    ];
-    filled(PAGE, &parts)
+    let connect = if engine == "server" { "'self'" } else { "'none'" };
+    filled(PAGE, &|placeholder| match placeholder {
+        "title" => escaped(page.name),
+        "version" => env!("CARGO_PKG_VERSION").to_owned(),
+        "style" => STYLE.to_owned(),
+        "connect" => connect.to_owned(),
+        "imports" => in_script(&json!({ "imports": imports }).to_string()),
+        "source" => in_script(&source.to_string()),
+        "module" => module.clone(),
+        _ => unreachable!("{placeholder} is not a placeholder of the page"),
+    })
 }
 
-/// A template with its placeholders replaced. Inserted text is not searched for placeholders.
-fn filled(template: &str, parts: &[(&str, String)]) -> String {
-    let mut text = String::new();
-    let mut rest = template;
-    while let Some((at, (placeholder, part))) =
-        parts.iter().filter_map(|part| Some((rest.find(part.0)?, part))).min_by_key(|(at, _)| *at)
-    {
-        let _ = write!(text, "{}{part}", &rest[..at]);
-        rest = &rest[at + placeholder.len()..];
-    }
-    text + rest
-}
-
-/// Text with the characters escaped that HTML gives a meaning.
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
-}
-
-/// JSON that cannot close the script element around it.
-fn in_script(json: &str) -> String {
-    json.replace('<', "\\u003c")
+/// The engine that was built into this crate: the module named by `MAGSPLICE_PAGE_ENGINE` when it was
+/// compiled. `None` if none was named.
+pub fn built_in_engine() -> Option<&'static [u8]> {
+    const ENGINE: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/engine.wasm.gz"));
+    (!ENGINE.is_empty()).then_some(ENGINE)
 }
 
 #[cfg(test)]

@@ -18,6 +18,8 @@ pub struct ReportInput {
     pub expectations: Vec<CheckedExpectation>,
     /// The results as a JSON object, contained in the page for programs.
     pub json: String,
+    /// The live page of the film, which a report in a folder has beside its own.
+    pub live_page: Option<String>,
 }
 
 /// Samples of films as made.

@@ -1,5 +1,7 @@
 //! Parts of the pages.
 
+use magsplice_live_page::html::{escaped, filled};
+
 use crate::drawing::Drawing;
 use crate::raster_image::data_url;
 
@@ -33,19 +35,6 @@ pub(crate) fn head(title: &str, more_style: &str) -> String {
     })
 }
 
-/// The template with each placeholder `{{...}}` replaced. Inserted text is not searched for
-/// placeholders again.
-pub(crate) fn filled(template: &str, text: &dyn Fn(&str) -> String) -> String {
-    let mut parts = template.split("{{");
-    let mut page = parts.next().unwrap_or_default().to_owned();
-    for part in parts {
-        let (placeholder, rest) = part.split_once("}}").expect("the template closes every placeholder");
-        page += &text(placeholder);
-        page += rest;
-    }
-    page
-}
-
 /// The list of links at the top of a page, from ids and headings.
 pub(crate) fn contents(entries: impl Iterator<Item = (String, String)>) -> String {
     entries.map(|(id, heading)| format!("<li><a href=\"#{id}\">{heading}</a></li>\n")).collect()
@@ -74,26 +63,4 @@ pub(crate) fn figure_element(figure: &Drawing, file: &str, film: &str, has_files
          src=\"{}\"></a></div><figcaption>{strong}{caption}{links}</figcaption></figure>\n",
         data_url("image/svg+xml", figure.outlined.as_bytes())
     )
-}
-
-/// Text with the characters escaped that HTML gives a meaning.
-pub(crate) fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
-}
-
-/// JSON that cannot close the script element around it.
-pub(crate) fn in_script(json: &str) -> String {
-    json.replace('<', "\\u003c")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn inserted_text_is_not_a_placeholder_and_cannot_close_a_script() {
-        let text = filled("a {{x}} b {{y}}", &|name| if name == "x" { "{{y}}".to_owned() } else { "1".to_owned() });
-        assert_eq!(text, "a {{y}} b 1");
-        assert_eq!(in_script("\"</script>\""), "\"\\u003c/script>\"");
-    }
 }

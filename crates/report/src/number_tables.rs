@@ -8,9 +8,9 @@ use magsplice::magnet::Axis;
 use magsplice::results::FilmEvaluation;
 
 use crate::film_results::FilmResults;
-use crate::html::escaped;
 use crate::survey::{BOUNDS_OF_ZERO, without_round_off};
 use crate::typeset::{AXIS_NAMES, PARAMETER_NAMES, number};
+use magsplice_live_page::html::escaped;
 
 pub(crate) const MT_PER_T: f64 = 1e3;
 pub(crate) const UM_PER_MM: f64 = 1e3;

@@ -3,12 +3,14 @@
 
 use magsplice::Film;
 use magsplice::results::IronSummary;
+use magsplice_live_page::html::{escaped, filled, in_script};
 
 use crate::drawing::Drawing;
 use crate::film_results::FilmResults;
-use crate::html::{Pages, contents, escaped, figure_element, filled, head, in_script};
+use crate::html::{Pages, contents, figure_element, head};
 use crate::number_tables::{entries, number_tables, tables_of_film};
 use crate::page_data::{page_data_json, refinement, strides};
+use crate::report::LIVE_PAGE_NAME;
 use crate::typeset::AXIS_NAMES;
 use crate::verdict::summary;
 
@@ -40,6 +42,10 @@ pub(crate) fn page(of: &FilmResults, figures: &[Drawing]) -> Pages {
         "head" => head(&escaped(&layout.name), ""),
         "name" => escaped(&layout.name),
         "description" => description.clone(),
+        "live" if has_files && of.input.live_page.is_some() => {
+            format!("<p><a href=\"{LIVE_PAGE_NAME}\">Change this film</a></p>\n")
+        }
+        "live" => String::new(),
         "summary" => summary(of, ""),
         "contents" => contents.clone(),
         "numbers" => tables_of_film(&tables),

@@ -7,12 +7,13 @@ use crate::drawing::{Drawing, SvgText};
 use crate::error::ReportError;
 use crate::figure_drafts::drafts;
 use crate::film_results::{FilmResults, ReportInput};
-use crate::html::{Pages, contents, escaped, figure_element, filled, head};
+use crate::html::{Pages, contents, figure_element, head};
 use crate::number_tables::{entries, number_tables, tables_of_pair};
 use crate::page::{data, facts, script, views};
 use crate::report::{PAGE_NAME, rendered};
 use crate::shared_ranges::SharedRanges;
 use crate::verdict::summary;
+use magsplice_live_page::html::{escaped, filled};
 
 const PAGE: &str = include_str!("../page/pair.html");
 

@@ -4,8 +4,8 @@
 use std::fmt::Write;
 
 use crate::drawing::Drawing;
-use crate::html::escaped;
 use crate::raster_image::data_url;
+use magsplice_live_page::html::escaped;
 
 const STYLE: &str = include_str!("../page/printed.css");
 

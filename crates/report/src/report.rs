@@ -16,6 +16,9 @@ use crate::shared_ranges::SharedRanges;
 /// File name of the page.
 pub(crate) const PAGE_NAME: &str = "report.html";
 
+/// File name of the live page.
+pub(crate) const LIVE_PAGE_NAME: &str = "live.html";
+
 /// The figures of a film, and the HTML page that shows them.
 ///
 /// A layout with a working volume and an ideal film has eight figures, and two more with a sensor.
@@ -58,6 +61,8 @@ pub struct Report {
     pub html: String,
     /// The page with links to the files of the figures, for a folder with them.
     pub html_in_folder: String,
+    /// The live page of the film, if there is one.
+    pub live_page: Option<String>,
     /// What the report lacks, and why: one phrase each, without a full stop.
     pub absent: Vec<String>,
 }
@@ -76,12 +81,19 @@ impl Report {
         let figures = rendered(film, drafts(&results, &SharedRanges::default())?, text)?;
         film.tell(Stage::uncounted("page"));
         let Pages { alone, in_folder } = page(&results, &figures);
-        Ok(Report { figures, html: alone, html_in_folder: in_folder, absent: results.absent })
+        Ok(Report {
+            figures,
+            html: alone,
+            html_in_folder: in_folder,
+            live_page: input.live_page.clone(),
+            absent: results.absent,
+        })
     }
 
     /// Names and contents of all files: the page, then SVG, PNG and CSV of each figure.
     pub fn files(&self) -> Vec<(String, &[u8])> {
         let mut files = vec![(PAGE_NAME.to_owned(), self.html_in_folder.as_bytes())];
+        files.extend(self.live_page.iter().map(|page| (LIVE_PAGE_NAME.to_owned(), page.as_bytes())));
         for figure in &self.figures {
             files.extend(figure.files());
         }

@@ -6,9 +6,9 @@ use magsplice::expect::Bound;
 use magsplice::results::{CheckStatus, CheckedExpectation};
 
 use crate::film_results::FilmResults;
-use crate::html::escaped;
 use crate::number_tables::{MT_PER_T, UM_PER_MM, UT_PER_T};
 use crate::typeset::{number, rounded};
+use magsplice_live_page::html::escaped;
 
 /// Digits behind the first of the numbers that matter most.
 const DIGITS: usize = 2;

@@ -31,6 +31,12 @@ pub(super) fn usual(layouts: &[PathBuf]) -> PathBuf {
     PathBuf::from(name)
 }
 
+/// The live page of a layout without a named destination: `NAME.html` for `NAME.toml`.
+pub(super) fn usual_page(layouts: &[PathBuf]) -> PathBuf {
+    let name = layouts.first().and_then(|layout| layout.file_stem()).unwrap_or_default();
+    Path::new(name).with_added_extension(PAGE_ENDING)
+}
+
 impl Destination {
     /// Opens the destination, so that one that cannot be written is refused before any work.
     /// A name with the ending of another kind of file is refused: the folder would pass for one.
@@ -82,5 +88,6 @@ mod tests {
         let name = |layouts: &[&str]| usual(&layouts.iter().map(PathBuf::from).collect::<Vec<_>>());
         assert_eq!(name(&["films/disc.v2.toml"]), Path::new("disc.v2-report"));
         assert_eq!(name(&["a.toml", "../b.toml"]), Path::new("a-and-b-report"));
+        assert_eq!(usual_page(&[PathBuf::from("films/disc.v2.toml")]), Path::new("disc.v2.html"));
     }
 }

@@ -11,6 +11,7 @@ use magsplice::{Film, FilmError};
 use magsplice_report::{FilmSamples, PairReport, Print, Report, ReportError, ReportInput, SvgText, print_figure};
 
 use super::destination::Destination;
+use super::live::Engine;
 use crate::failure::Failure;
 use crate::output::json;
 use crate::remarks;
@@ -23,6 +24,7 @@ pub(super) struct Drawing<'a> {
     pub(super) output: &'a Path,
     pub(super) text: SvgText,
     pub(super) accuracy: Accuracy,
+    pub(super) engine: Engine,
     pub(super) quiet: bool,
 }
 
@@ -53,7 +55,8 @@ impl Drawing<'_> {
         let session = Session::open(path, remarks::OF_COMPARISONS, self.quiet)?;
         let film = session.film()?.with_accuracy(self.accuracy);
         let destination = Destination::open(self.output, &[path])?;
-        let input = input(&session, &film)?;
+        let live_page = self.engine.page(&session.layout, path);
+        let input = ReportInput { live_page, ..input(&session, &film)? };
         let report = Report::new(&film, &input, self.text).map_err(|error| failure(&session, error))?;
         let (page, beside) = destination.write(self.output, &report.html, report.files())?;
         let mut said = format!("{}: {}{beside}\n", page.display(), counted(report.figures.len(), "figure", "figures"));
@@ -94,7 +97,7 @@ fn input(session: &Session, film: &Film) -> Result<ReportInput, Failure> {
     let made = samples.as_ref().map_or(&[][..], |samples| &samples.errors);
     let expectations = check::expectations(session, film, false, made, |_, _, _| ());
     let json = numbers(film).map_err(|error| session.failed(error))?;
-    Ok(ReportInput { expectations, json, samples })
+    Ok(ReportInput { expectations, json, samples, live_page: None })
 }
 
 /// Samples of films as made, if the layout has their errors.

@@ -4,6 +4,8 @@
 mod destination;
 /// The drawing.
 mod draw;
+/// The live page.
+mod live;
 /// `--watch`: draws anew when a layout is saved.
 mod watch;
 
@@ -24,6 +26,10 @@ use crate::failure::Failure;
 /// pointer. The folder appears complete or not at all. An earlier report in it is replaced. With -o
 /// PAGE.html only the page is written.
 ///
+/// If the program has the engine of the live page, the folder also has live.html: a page on which
+/// tiles are dragged, and every number follows. It needs no network and no other file either. With
+/// --live only this page is written.
+///
 /// Two layouts give one page with the numbers of both films and their difference, and the figures
 /// side by side on the same scales.
 ///
@@ -31,7 +37,7 @@ use crate::failure::Failure;
 /// faults of a broken layout. The page does not reload by itself.
 #[derive(clap::Args)]
 #[command(
-    after_help = "Example:\n  magsplice report layouts/published-film.toml\n  magsplice report film.toml -o film.html\n  magsplice report film.toml --figure field-middle --component z --width 85mm -o b_z.pdf\n  magsplice report before.toml after.toml -o comparison"
+    after_help = "Example:\n  magsplice report layouts/published-film.toml\n  magsplice report film.toml -o film.html\n  magsplice report film.toml --figure field-middle --component z --width 85mm -o b_z.pdf\n  magsplice report film.toml --live\n  magsplice report before.toml after.toml -o comparison"
 )]
 pub(crate) struct ReportArgs {
     /// Layout file, or two whose films are drawn side by side
@@ -58,6 +64,13 @@ pub(crate) struct ReportArgs {
     /// Only this component of a figure of maps, its maps below each other
     #[arg(long, value_enum, requires = "figure")]
     component: Option<ComponentArg>,
+    /// Only the live page, on which the film is changed and evaluated [default: NAME.html]
+    #[arg(long, conflicts_with_all = ["watch", "figure"])]
+    live: bool,
+    /// Engine of the live page: the WebAssembly module of crates/page-engine, compressed by gzip
+    /// [default: the module built into the program]
+    #[arg(long, value_name = "FILE")]
+    engine: Option<PathBuf>,
     #[command(flatten)]
     accuracy: AccuracyArgs,
 }
@@ -92,10 +105,16 @@ impl From<SvgTextArg> for SvgText {
 pub(crate) fn run(args: &ReportArgs, quiet: bool) -> Result<(), Failure> {
     let usual = || match &args.figure {
         Some(name) => PathBuf::from(format!("{name}.pdf")),
+        None if args.live => destination::usual_page(&args.layouts),
         None => destination::usual(&args.layouts),
     };
     let output = args.output.clone().unwrap_or_else(usual);
-    let drawing = draw::Drawing { output: &output, text: args.text.into(), accuracy: args.accuracy.accuracy(), quiet };
+    let engine = live::Engine::open(args.engine.as_deref())?;
+    if args.live {
+        return live::write(&args.layouts, &output, &engine, quiet);
+    }
+    let (text, accuracy) = (args.text.into(), args.accuracy.accuracy());
+    let drawing = draw::Drawing { output: &output, text, accuracy, engine, quiet };
     if let Some(name) = &args.figure {
         let print = Print { width_mm: args.width, component: args.component.map(|component| component as usize) };
         return drawing.figure(&args.layouts, name, print);
