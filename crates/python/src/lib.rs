@@ -83,7 +83,7 @@ mod _magsplice {
     #[pymodule_export]
     use crate::recoil::{recoil, recoil_estimate};
     #[pymodule_export]
-    use crate::report::{ideal_film_figures, layout_figure, layout_svg, report, view};
+    use crate::report::{ideal_film_figures, layout_figure, layout_svg, live_page, report, view};
     #[pymodule_export]
     use crate::samples::{sampled, samples, statistics};
     #[pymodule_export]

@@ -3,6 +3,7 @@
 use magsplice::layout::Layout;
 use magsplice::making::Sorting;
 use magsplice::results::SampleRun;
+use magsplice_live_page::{LivePage, PageEngine, built_in_engine};
 use magsplice_report::{Drawing, FilmSamples, Report, ReportInput, SvgText};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -45,7 +46,7 @@ pub(crate) fn report<'py>(
     let baseline = known(baseline)?;
     let made = samples.as_ref().map_or(&[][..], |samples| &samples.errors);
     let expectations = detached(py, || expectations(&evaluated, &baseline, made))?;
-    let input = ReportInput { samples, expectations, json };
+    let input = ReportInput { samples, expectations, json, live_page: None };
     let svg = if outlines { SvgText::Outlines } else { SvgText::Text };
     let report = detached(py, || Report::new(&evaluated, &input, svg))?;
     let Report { figures, html, html_in_folder, absent, .. } = report.map_err(failed)?;
@@ -79,6 +80,16 @@ pub(crate) fn view(py: Python<'_>, film: &Film) -> PyResult<String> {
         let film = magsplice::Film::rigid(layout);
         Report::new(&film, &ReportInput::default(), SvgText::Outlines).map(|report| report.html).map_err(failed)
     })?
+}
+
+/// The live page of a film, with the engine of the package or the module that is given, compressed by
+/// gzip. `None` without an engine.
+#[pyfunction]
+#[pyo3(signature = (film, text, engine=None))]
+pub(crate) fn live_page(film: &Film, text: &str, engine: Option<Vec<u8>>) -> Option<String> {
+    let engine = engine.or_else(|| built_in_engine().map(<[u8]>::to_vec))?;
+    let name = format!("{}.toml", film.layout.name);
+    Some(magsplice_live_page::live_page(&LivePage { name: &name, text, engine: PageEngine::Module(&engine) }))
 }
 
 /// The tiles from above as SVG, with text as outlines.

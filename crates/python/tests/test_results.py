@@ -1,5 +1,7 @@
 """Comparison, decoupling, tolerance, readings, design, report."""
 
+import base64
+import gzip
 import json
 from types import SimpleNamespace
 
@@ -170,6 +172,18 @@ def test_reports_have_the_figures_of_the_program(published, tmp_path):
     assert list(bare.figures) == ["layout"]
     assert len(bare.absent) == 2
     assert "iframe" in published.view()._repr_html_()
+
+
+def test_live_page_holds_the_film_and_the_engine(published, tmp_path):
+    engine = tmp_path / "engine.wasm.gz"
+    engine.write_bytes(gzip.compress(b"\0asm"))
+    page = published.show(engine=engine)
+    assert "[[lattice]]" in page.html
+    assert base64.b64encode(engine.read_bytes()).decode() in page.html
+    assert 'sandbox="allow-scripts allow-downloads"' in page._repr_html_()
+    assert 'sandbox="allow-scripts" ' in published.view()._repr_html_()
+    with pytest.raises(FileNotFoundError):
+        published.show(engine=tmp_path / "none")
 
 
 def test_reports_draw_films_that_are_made():

@@ -46,7 +46,16 @@ from magsplice._magpylib.collection import to_magpylib
 from magsplice._parts import Parts
 from magsplice._points import coordinates, flattened, shaped, tolerance_of
 from magsplice._recoil import Recoil, RecoilEstimate
-from magsplice._report import VIEW_PX, Figure, Page, Report, film_html, view_html
+from magsplice._report import (
+    LIVE_PX,
+    VIEW_PX,
+    Figure,
+    Page,
+    Report,
+    film_html,
+    live_html,
+    view_html,
+)
 from magsplice._results import Result, key
 from magsplice._samples import Preset, Samples
 from magsplice._search import MadeFilms, Metrics, OutOfRange, SearchStage
@@ -975,6 +984,28 @@ class Film(Sensed):
             Height in pixels.
         """
         return Page(view_html(self), height_px)
+
+    def show(
+        self, height_px: int = LIVE_PX, *, engine: str | os.PathLike[str] | None = None
+    ) -> Page:
+        """Live page of the film, for a notebook: tiles are dragged, and every number follows.
+
+        The page computes by itself, so that it works in a saved notebook without Python. It does
+        not change this film: its button *Download TOML* saves the film of the page.
+
+        Parameters
+        ----------
+        height_px : int
+            Height in pixels.
+        engine : str or path, optional
+            WebAssembly module of the page, compressed by gzip. Default: the module of the package.
+
+        Raises
+        ------
+        MagspliceError
+            If neither the package nor the argument has a module.
+        """
+        return Page(live_html(self, self._source[0], engine), height_px, live=True)
 
     def to_magpylib(self) -> Any:
         """Film as a `magpylib.Collection` of cuboids, in metres and tesla.

@@ -54,10 +54,11 @@ def rows_text(columns: dict[str, Any]) -> str:
     return "\n".join([*lines, *more])
 
 
-def frame(page: str, height_px: int) -> str:
+def frame(page: str, height_px: int, *, downloads: bool = False) -> str:
     """Page in its own frame, isolated from the document around it."""
+    allowed = "allow-scripts allow-downloads" if downloads else "allow-scripts"
     return (
-        f'<iframe srcdoc="{escape(page)}" sandbox="allow-scripts" '
+        f'<iframe srcdoc="{escape(page)}" sandbox="{allowed}" '
         f'style="width:100%;height:{height_px}px;border:1px solid #ccc"></iframe>'
     )
 

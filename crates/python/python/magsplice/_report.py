@@ -8,12 +8,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from magsplice import _html, _magsplice
+from magsplice.errors import MagspliceError
 
 if TYPE_CHECKING:
     import os
 
 #: Height of the view of the tiles, in pixels.
 VIEW_PX = 720
+#: Height of the live page, in pixels.
+LIVE_PX = 1100
 #: Largest number of tiles for a rotatable view in a notebook, which is stored in its file.
 _MOST_TILES_IN_VIEW = 2000
 #: Style that hides a report except the view of the tiles.
@@ -64,12 +67,13 @@ class Page:
 
     html: str
 
-    def __init__(self, html: str, height_px: int = 600) -> None:
+    def __init__(self, html: str, height_px: int = 600, *, live: bool = False) -> None:
         self.html = html
         self._height_px = height_px
+        self._live = live
 
     def _repr_html_(self) -> str:
-        return _html.frame(self.html, self._height_px)
+        return _html.frame(self.html, self._height_px, downloads=self._live)
 
     def __repr__(self) -> str:
         return f"<magsplice.{type(self).__name__}: {len(self.html)} characters of HTML>"
@@ -126,6 +130,18 @@ def film_html(film: _magsplice.Film, rows: list[tuple[str, Any]]) -> str:
         view = f"<details><summary>Turn the tiles</summary>{turned}</details>"
     picture = _html.picture(_magsplice.layout_svg(film))
     return f"<h4>{escape(film.name)}</h4>{_html.number_table(rows)}{picture}{view}"
+
+
+def live_html(film: _magsplice.Film, text: str, engine: str | os.PathLike[str] | None) -> str:
+    """Page on which the film is changed and evaluated."""
+    module = None if engine is None else Path(engine).read_bytes()
+    page = _magsplice.live_page(film, text, module)
+    if page is None:
+        raise MagspliceError(
+            "this build of magsplice has no engine of the live page: give the module as "
+            "engine=FILE, or use `magsplice studio FILE`"
+        )
+    return page
 
 
 def view_html(film: _magsplice.Film) -> str:
