@@ -115,6 +115,7 @@ pub use error::{LayoutError, LayoutFault};
 pub use expectations::{Expectations, ExpectedField, FigureBounds, MadeExpectations};
 pub use file::PlainLayout;
 pub use file::edit::TileForm;
+pub use file::references::referenced_files;
 pub use file::schema::schema;
 pub use file::set::{PathStep, TextEdit, TextEditError, document_of, edited_text};
 pub use file::text::is_layout;

@@ -30,6 +30,8 @@ pub(crate) mod edit;
 mod form;
 /// From the tables of a file to a checked layout.
 mod read;
+/// The files to which the text of a layout refers.
+pub(crate) mod references;
 /// The JSON Schema of the layout file.
 pub(crate) mod schema;
 /// Sentences about values of a wrong type.
