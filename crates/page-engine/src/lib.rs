@@ -13,6 +13,8 @@ pub mod buffer;
 mod evaluated;
 /// Changed tiles, written into the text of their layout.
 mod keep;
+/// The files beside a layout that its session may read.
+mod readable_files;
 /// What a page asks for.
 mod request;
 /// A layout that is edited and evaluated.
@@ -20,5 +22,6 @@ mod session;
 /// A layout as a page shows it.
 mod state;
 
+pub use readable_files::ReadableFiles;
 pub use request::{MapQuantity, Request, TileEdit};
 pub use session::{Observer, Session};
