@@ -173,11 +173,16 @@ fn beside(destination: &Path, permissions: Option<fs::Permissions>) -> io::Resul
     let folder = folder_of(destination)?;
     let mut builder = tempfile::Builder::new();
     builder.prefix(".magsplice-");
-    if let Some(permissions) = permissions.or(new_file_permissions()) {
+    if let Some(permissions) = permissions.clone().or(new_file_permissions()) {
         builder.permissions(permissions);
     }
     // Only the kind of the error: its text names the temporary file, which the user never sees.
-    interrupt::temporary(|| builder.tempfile_in(folder)).map_err(|e| io::Error::from(e.kind()))
+    let file = interrupt::temporary(|| builder.tempfile_in(folder)).map_err(|e| io::Error::from(e.kind()))?;
+    // Without the user's mask: the file was made with them. Not every file system keeps them.
+    if let Some(permissions) = permissions {
+        let _ = file.as_file().set_permissions(permissions);
+    }
+    Ok(file)
 }
 
 /// The folder that contains a destination.
