@@ -14,6 +14,9 @@ mod csv_input;
 mod failure;
 /// Lists of faulty lines and points.
 mod faults;
+/// Files whose changes are awaited.
+#[cfg(feature = "report")]
+mod file_watch;
 /// Tables that users bring, each with its columns.
 mod inputs;
 /// Ctrl-C: temporary files are removed, a search ends with its best film.
@@ -26,6 +29,8 @@ mod progress;
 mod remarks;
 /// A layout file at work.
 mod session;
+/// Hashes of files.
+mod sha256;
 /// Results as printed tables.
 mod text;
 /// Units that people write.

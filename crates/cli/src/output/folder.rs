@@ -4,12 +4,12 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use sha2::{Digest, Sha256};
 use tempfile::TempDir;
 
 use super::destination::{folder_of, followed, is_same_file_or_below};
 use crate::failure::Failure;
 use crate::interrupt;
+use crate::sha256::sha256;
 
 /// The list of the files of a folder with their hashes, as `sha256sum` writes and checks it. Its
 /// first line names the command that wrote the folder.
@@ -148,8 +148,4 @@ fn unchanged_files(folder: &Path, title: &str) -> io::Result<Vec<PathBuf>> {
         )));
     }
     Ok(entries.iter().map(fs::DirEntry::path).collect())
-}
-
-fn sha256(contents: &[u8]) -> String {
-    Sha256::digest(contents).iter().map(|byte| format!("{byte:02x}")).collect()
 }
