@@ -3,7 +3,7 @@
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::sync::{Mutex, Once, PoisonError};
 
 /// Exit status after Ctrl-C, the one that shells give.
@@ -13,6 +13,9 @@ pub(crate) const INTERRUPTED: u8 = 130;
 /// gone.
 static TEMPORARY: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 static HANDLER: Once = Once::new();
+
+/// The exit status of an interruption.
+static STATUS: AtomicU8 = AtomicU8::new(INTERRUPTED);
 
 /// Whether the next interruption sets [`STOP`] instead of ending the program.
 static DEFERRED: AtomicBool = AtomicBool::new(false);
@@ -27,6 +30,13 @@ pub(crate) fn defer() -> &'static AtomicBool {
     &STOP
 }
 
+/// Makes an interruption the usual end of the program, with status 0.
+#[cfg(feature = "studio")]
+pub(crate) fn expect() {
+    STATUS.store(0, Ordering::Relaxed);
+    handle();
+}
+
 /// Makes a file or folder that an interruption (Ctrl-C, termination, hang-up) removes before the
 /// program ends.
 pub(crate) fn temporary<T: AsRef<Path>>(make: impl FnOnce() -> io::Result<T>) -> io::Result<T> {
@@ -38,7 +48,7 @@ pub(crate) fn temporary<T: AsRef<Path>>(make: impl FnOnce() -> io::Result<T>) ->
     Ok(made)
 }
 
-/// Installs the handler, so that Ctrl-C ends the program with status 130.
+/// Installs the handler, so that Ctrl-C ends the program with status 130, or 0 after [`expect`].
 pub(crate) fn handle() {
     HANDLER.call_once(|| {
         // Without a handler the program still works; an interruption leaves its temporary file.
@@ -52,7 +62,7 @@ pub(crate) fn handle() {
             for path in temporary.iter().flat_map(|paths| paths.iter()) {
                 let _ = fs::remove_file(path).or_else(|_| fs::remove_dir_all(path));
             }
-            std::process::exit(INTERRUPTED.into());
+            std::process::exit(STATUS.load(Ordering::Relaxed).into());
         });
     });
 }

@@ -15,7 +15,7 @@ mod failure;
 /// Lists of faulty lines and points.
 mod faults;
 /// Files whose changes are awaited.
-#[cfg(feature = "report")]
+#[cfg(any(feature = "report", feature = "studio"))]
 mod file_watch;
 /// Tables that users bring, each with its columns.
 mod inputs;

@@ -99,7 +99,7 @@ pub(crate) fn command() -> Command {
     let header = *command.get_styles().get_header();
     for (title, verbs) in GROUPS {
         let _ = writeln!(list, "{header}{title}:{header:#}");
-        for verb in verbs {
+        for verb in verbs.concat() {
             let about = command.find_subcommand(verb).and_then(Command::get_about);
             let _ = writeln!(list, "  {verb:<13}{}", about.map(ToString::to_string).unwrap_or_default());
         }
@@ -120,7 +120,7 @@ mod tests {
 
     #[test]
     fn every_command_is_in_one_group() {
-        let mut grouped: Vec<&str> = GROUPS.iter().flat_map(|(_, verbs)| verbs.iter().copied()).collect();
+        let mut grouped: Vec<&str> = GROUPS.iter().flat_map(|(_, verbs)| verbs.concat()).collect();
         let mut command = Args::command();
         command.build();
         let mut all: Vec<&str> = command.get_subcommands().map(Command::get_name).collect();

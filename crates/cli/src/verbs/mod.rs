@@ -47,6 +47,9 @@ pub(crate) mod scan;
 pub(crate) mod schema;
 /// Designs a film from nothing.
 pub(crate) mod splice;
+/// Serves a live page of a layout.
+#[cfg(feature = "studio")]
+pub(crate) mod studio;
 /// Lists the tiles of a layout and its bill of materials.
 pub(crate) mod tiles;
 /// Samples films as made.
@@ -57,19 +60,25 @@ use clap::{Command, Subcommand};
 use crate::failure::Failure;
 
 /// The commands by task, as the help lists them: the ones of every day first.
-pub(crate) const GROUPS: [(&str, &[&str]); 6] = [
-    ("Layouts", &["init", "check", "import", "export", "schema"]),
-    ("Evaluate a film", &EVALUATION),
-    ("Design a film", &["splice", "design"]),
-    ("Make a film", &["tiles", "tolerance", "budget", "forces", "assign", "diagnose"]),
-    ("Use a sensor", &["read", "resolution", "experiment", "calibrate", "scan"]),
-    ("Speed and help", &["plan", "bench", "completions", "help"]),
+pub(crate) const GROUPS: [(&str, &[&[&str]]); 6] = [
+    ("Layouts", &[&["init", "check", "import", "export", "schema"]]),
+    ("Evaluate a film", &[&["decouple"], REPORT, STUDIO, &["compare", "field"]]),
+    ("Design a film", &[&["splice", "design"]]),
+    ("Make a film", &[&["tiles", "tolerance", "budget", "forces", "assign", "diagnose"]]),
+    ("Use a sensor", &[&["read", "resolution", "experiment", "calibrate", "scan"]]),
+    ("Speed and help", &[&["plan", "bench", "completions", "help"]]),
 ];
 
+/// Figures, if the program has them.
 #[cfg(feature = "report")]
-const EVALUATION: [&str; 4] = ["decouple", "report", "compare", "field"];
+const REPORT: &[&str] = &["report"];
 #[cfg(not(feature = "report"))]
-const EVALUATION: [&str; 3] = ["decouple", "compare", "field"];
+const REPORT: &[&str] = &[];
+/// The live page, if the program has it.
+#[cfg(feature = "studio")]
+const STUDIO: &[&str] = &["studio"];
+#[cfg(not(feature = "studio"))]
+const STUDIO: &[&str] = &[];
 
 /// The commands.
 #[derive(Subcommand)]
@@ -79,6 +88,8 @@ pub(crate) enum Verb {
     Decouple(decouple::DecoupleArgs),
     #[cfg(feature = "report")]
     Report(report::ReportArgs),
+    #[cfg(feature = "studio")]
+    Studio(studio::StudioArgs),
     Compare(compare::CompareArgs),
     Field(field::FieldArgs),
     Splice(splice::SpliceArgs),
@@ -127,6 +138,8 @@ impl Verb {
             Verb::Resolution(args) => resolution::run(args, quiet),
             #[cfg(feature = "report")]
             Verb::Report(args) => report::run(args, quiet),
+            #[cfg(feature = "studio")]
+            Verb::Studio(args) => studio::run(args, quiet),
             Verb::Assign(args) => assign::run(args, quiet),
             Verb::Tiles(args) => tiles::run(args, quiet),
             Verb::Export(args) => export::run(args, quiet),
