@@ -49,6 +49,8 @@ mod sensor;
 mod splice;
 mod start;
 mod stated_sensor;
+#[cfg(feature = "studio")]
+mod studio;
 mod suspicious;
 #[cfg(target_os = "linux")]
 mod terminal;
