@@ -70,11 +70,11 @@ mod tests {
     use super::*;
 
     fn headers(of: &[(&str, &str)]) -> HeaderMap {
-        let value = |(name, value): &(&str, &str)| {
-            (name.parse::<HeaderName>().expect("a name"), HeaderValue::from_str(value).expect("a value"))
-        };
         let mut headers = HeaderMap::new();
-        of.iter().map(value).for_each(|(name, value)| drop(headers.append(name, value)));
+        for (name, value) in of {
+            let name = name.parse::<HeaderName>().expect("a name");
+            headers.append(name, HeaderValue::from_str(value).expect("a value"));
+        }
         headers
     }
 
