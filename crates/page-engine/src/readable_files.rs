@@ -33,15 +33,24 @@ impl ReadableFiles {
     /// layout breaks a rule.
     pub fn layout(&self, text: &str, name: &str) -> Result<Layout, String> {
         // A text that is not TOML refers to nothing, and is refused below.
-        let asked = referenced_files(text).unwrap_or_default();
-        if let Some(other) = asked.difference(&self.names).next() {
-            return Err(format!(
-                "{name}: refers to \"{}\", must refer only to files that the layout on disk refers to: add it there, \
-                 with an editor",
-                other.escape_debug()
-            ));
-        }
+        referenced_files(text).unwrap_or_default().iter().try_for_each(|file| self.check(file, name))?;
         Layout::parse_beside(text, name, &self.folder).map_err(|error| error.to_string())
+    }
+
+    /// Refuses a file to which the layout on disk does not refer. `name` identifies the layout in
+    /// the message.
+    ///
+    /// # Errors
+    /// If it is another file, or the same one under another name.
+    pub fn check(&self, file: &str, name: &str) -> Result<(), String> {
+        if self.names.contains(file) {
+            return Ok(());
+        }
+        Err(format!(
+            "{name}: refers to \"{}\", must refer only to files that the layout on disk refers to: add it there, with \
+             an editor",
+            file.escape_debug()
+        ))
     }
 }
 

@@ -115,19 +115,25 @@ impl Studio {
         serde_json::from_str(lines[lines.len() - 1]).expect("JSON")
     }
 
-    /// The events of the file, each with the time at which it came.
-    fn events(&self) -> mpsc::Receiver<(Instant, Value)> {
+    /// The events of the file from now on, each with the time at which it came. `more` is further
+    /// headers.
+    fn events_after(&self, more: &str) -> mpsc::Receiver<(Instant, Value)> {
         let mut stream = self.connect();
         let (token, host) = (&self.token, self.host());
-        write!(stream, "GET /{token}/events HTTP/1.1\r\nHost: {host}\r\n\r\n").expect("sent");
+        write!(stream, "GET /{token}/events HTTP/1.1\r\nHost: {host}{more}\r\n\r\n").expect("sent");
+        let mut lines = BufReader::new(stream).lines().map_while(Result::ok);
+        assert!(lines.by_ref().any(|line| line.starts_with("id: ")));
         let (sender, events) = mpsc::channel();
         thread::spawn(move || {
-            let lines = BufReader::new(stream).lines().map_while(Result::ok);
             let data = lines.filter_map(|line| line.strip_prefix("data: ").map(str::to_owned));
             data.map(|data| (Instant::now(), serde_json::from_str(&data).expect("JSON")))
                 .try_for_each(|event| sender.send(event))
         });
         events
+    }
+
+    fn events(&self) -> mpsc::Receiver<(Instant, Value)> {
+        self.events_after("")
     }
 
     fn file_hash(&self) -> Value {
@@ -291,7 +297,6 @@ fn links_and_permissions_are_kept() {
     symlink("films/film.toml", sandbox.path("link.toml")).expect("a link");
     let studio = Studio::start(&sandbox, &["link.toml"]);
     let events = studio.events();
-    events.recv_timeout(PATIENCE).expect("the first state");
     let longer = LAYOUT.replace("1.5", "2.5");
     let written = studio.post("file", &json!({ "text": longer, "base": studio.file_hash() }));
     assert_eq!(written.status, 200, "{written:?}");
@@ -317,7 +322,6 @@ fn changes_on_disk_arrive_as_events() {
     let studio = Studio::start(&sandbox, &["film.toml"]);
     let events = studio.events();
     let next = || events.recv_timeout(PATIENCE).expect("an event");
-    assert_eq!(next().1, studio.get("file").json());
     let mut times = Vec::new();
     for (index, length) in ["2.5", "3.5", "4.5", "5.5", "6.5", "7.5"].into_iter().enumerate() {
         let text = LAYOUT.replace("1.5", length);
@@ -337,6 +341,12 @@ fn changes_on_disk_arrive_as_events() {
     // Other tests may take the processors for a while.
     times.sort_unstable();
     assert!(times[1] <= PROMPT, "{times:?}");
+    // A page that has lost its connection gets what it missed, and nothing if it missed nothing.
+    let hash = studio.file_hash();
+    let returned = |hash: &str| studio.events_after(&format!("\r\nLast-Event-ID: {hash}"));
+    let missed = returned("0").recv_timeout(PATIENCE).expect("an event");
+    assert_eq!(missed.1, studio.get("file").json());
+    assert!(returned(hash.as_str().expect("a hash")).recv_timeout(Duration::from_millis(300)).is_err());
     // The text of a broken layout is sent: the engine finds its faults.
     sandbox.write("film.toml", "format = ");
     assert_eq!(next().1["text"], "format = ");
@@ -360,18 +370,18 @@ fn engine_has_a_session_for_each_client() {
     let published = fs::read_to_string(shipped("published-film")).expect("readable");
     sandbox.write("film.toml", &published);
     let studio = Studio::start(&sandbox, &["film.toml"]);
-    assert_eq!(studio.ask("page", &json!("write")), json!({ "error": "no layout is open" }));
+    assert_eq!(studio.ask("page", &json!("keep")), json!({ "error": "no layout is open" }));
     let answer = studio.ask("page", &opened(&published));
-    assert_eq!(answer["ok"]["layout"]["name"], "published film", "{answer}");
+    assert_eq!(answer["ok"]["name"], "published film", "{answer}");
     let answer = studio.ask("page", &json!({ "evaluate": { "rigid": false } }));
     let text = sandbox.run(&["decouple", "film.toml", "--format", "json"]).stdout;
     let known: Value = serde_json::from_str(&text).expect("JSON");
     assert_eq!(answer["ok"]["evaluation"]["uniformity_rmse"], known["uniformity_rmse"]);
     assert!(known["uniformity_rmse"].is_object());
-    assert_eq!(studio.ask("worker", &json!("write")), json!({ "error": "no layout is open" }));
+    assert_eq!(studio.ask("worker", &json!("keep")), json!({ "error": "no layout is open" }));
     let refused = studio.ask("worker", &opened("format = "));
     assert!(refused["error"].as_str().expect("a message").starts_with("film.toml: TOML parse error"), "{refused}");
-    assert!(studio.ask("page", &json!("write"))["ok"].is_string());
+    assert_eq!(studio.ask("page", &json!("keep"))["ok"]["text"], published);
 }
 
 #[test]
@@ -384,11 +394,22 @@ fn engine_reads_only_files_of_the_layout_on_disk() {
     }
     let studio = Studio::start(&sandbox, &["films/film.toml"]);
     let events = studio.events();
-    events.recv_timeout(PATIENCE).expect("the first state");
     for file in ["x.csv", "../x.csv", "/etc/passwd"] {
         let refused = studio.ask("1", &opened(&measured(file)));
         let known = format!("films/film.toml: refers to \"{file}\", must refer only to files");
         assert!(refused["error"].as_str().expect("a message").starts_with(&known), "{refused}");
+    }
+    // In a value that is set in the text, too.
+    assert!(studio.ask("1", &opened(LAYOUT))["ok"].is_object());
+    let set = |path: Value, value: Value| json!({ "set": { "edits": [{ "path": path, "value": value }] } });
+    for request in [
+        set(json!(["tolerance", "position_mm", "file"]), json!("x.csv")),
+        set(json!(["tolerance", "position_mm"]), json!({ "file": "x.csv" })),
+        set(json!(["tolerance"]), json!({ "position_mm": [{ "normal": 1 }, { "normal": 1 }, { "file": "x.csv" }] })),
+        set(json!(["tolerance", "neighbour"]), json!({ "layout": "x.csv", "position_mm": [0, 0, -9] })),
+    ] {
+        let refused = studio.ask("1", &request);
+        assert!(refused["error"].as_str().expect("a message").contains("refers to \"x.csv\""), "{refused}");
     }
     // Added with an editor. The folder is that of the layout, whatever name the request gives.
     sandbox.write("films/film.toml", &measured("x.csv"));
@@ -453,7 +474,7 @@ fn broken_requests_are_refused() {
         }
     }
     for path in ["engine", "engine?client=", "engine?client=../x", &format!("engine?client={}", "a".repeat(65))] {
-        assert_eq!(studio.post(path, &json!("write")).status, 400, "{path}");
+        assert_eq!(studio.post(path, &json!("keep")).status, 400, "{path}");
     }
     for body in ["", "{", "[]", "{\"text\":1}", "{\"text\":\"\"}"] {
         assert_eq!(studio.post_text("file", body).status, 400, "{body}");
@@ -512,8 +533,7 @@ fn interruption_ends_with_success() {
     sandbox.write("film.toml", LAYOUT);
     for signal in [Signal::INT, Signal::TERM] {
         let mut studio = Studio::start(&sandbox, &["film.toml"]);
-        let events = studio.events();
-        events.recv_timeout(PATIENCE).expect("the first state");
+        let _events = studio.events();
         kill_process(Pid::from_child(&studio.child), signal).expect("it runs");
         assert_eq!(studio.child.wait().expect("it ends").code(), Some(0));
     }

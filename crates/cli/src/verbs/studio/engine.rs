@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use hyper::body::Bytes;
 use magsplice::threads;
-use magsplice_page_engine::{ReadableFiles, Session};
+use magsplice_page_engine::{Observer, ReadableFiles, Session};
 use rayon::ThreadPool;
 use serde_json::{Value, json};
 use tokio::sync::mpsc::Sender;
@@ -59,7 +59,7 @@ impl Engine {
             return;
         }
         let files = self.file.readable_files();
-        let mut report = |line: &str| match lines.try_send(with_end(line)) {
+        let mut report = |line: &str| match lines.try_send(with_end(&format!("{{\"progress\":{line}}}"))) {
             Err(TrySendError::Closed(_)) => ControlFlow::Break(()),
             // A line of progress may be lost where the client reads slowly.
             Ok(()) | Err(TrySendError::Full(_)) => ControlFlow::Continue(()),
@@ -91,22 +91,18 @@ impl Client {
 
 /// The answer of a session to a request. A layout may refer only to `files`, and is read as the one
 /// at `path`.
-fn answered(
-    session: &mut Session,
-    files: &ReadableFiles,
-    path: &str,
-    request: &[u8],
-    _report: &mut (dyn FnMut(&str) -> ControlFlow<()> + Send),
-) -> String {
-    match with_checked_text(request, files, path) {
-        Ok(request) => session.answer(&request),
+fn answered(session: &mut Session, files: &ReadableFiles, path: &str, request: &[u8], report: Observer) -> String {
+    match checked(request, files, path) {
+        Ok(request) => session.answer_reporting(&request, report),
         Err(error) => json!({ "error": error }).to_string(),
     }
 }
 
-/// A request whose layout refers only to `files`, relative to the folder of `path`.
-fn with_checked_text(request: &[u8], files: &ReadableFiles, path: &str) -> Result<Vec<u8>, String> {
+/// A request that refers only to `files`: in the text of a layout, or in values to set in it. The
+/// session reads the files, relative to the folder of `path`.
+fn checked(request: &[u8], files: &ReadableFiles, path: &str) -> Result<Vec<u8>, String> {
     let mut value: Value = serde_json::from_slice(request).map_err(|error| error.to_string())?;
+    check_names(&value, files, path)?;
     if let Some(open) = value.get_mut("open").and_then(Value::as_object_mut) {
         if let Some(text) = open.get("text").and_then(Value::as_str) {
             files.layout(text, path)?;
@@ -114,6 +110,29 @@ fn with_checked_text(request: &[u8], files: &ReadableFiles, path: &str) -> Resul
         open.insert("name".to_owned(), path.into());
     }
     Ok(value.to_string().into_bytes())
+}
+
+/// Keys of a layout whose values are names of files.
+const KEYS_OF_FILES: [&str; 2] = ["file", "layout"];
+
+/// Checks the names of files in values to set: below such a key, or at the end of a path.
+fn check_names(value: &Value, files: &ReadableFiles, path: &str) -> Result<(), String> {
+    match value {
+        Value::Object(object) => {
+            let end = object.get("path").and_then(Value::as_array).and_then(|steps| steps.last()?.as_str());
+            object.iter().try_for_each(|(key, value)| match value {
+                Value::String(name)
+                    if KEYS_OF_FILES.contains(&key.as_str())
+                        || key == "value" && end.is_some_and(|end| KEYS_OF_FILES.contains(&end)) =>
+                {
+                    files.check(name, path)
+                }
+                value => check_names(value, files, path),
+            })
+        }
+        Value::Array(values) => values.iter().try_for_each(|value| check_names(value, files, path)),
+        _ => Ok(()),
+    }
 }
 
 fn with_end(line: &str) -> Bytes {

@@ -15,19 +15,24 @@ const HEARTBEAT: Duration = Duration::from_secs(15);
 /// Events that a client may leave unread before it gets no more.
 const UNREAD: usize = 4;
 
-/// The state of the file as it is now, and each later one, until the receiver is dropped.
-pub(super) fn stream(mut states: watch::Receiver<Latest>) -> mpsc::Receiver<Bytes> {
+/// Each later state of the file, until the receiver is dropped. `last_hash` is the hash of the file
+/// when an earlier stream ended: if it is another one now, the state of now is the first event.
+pub(super) fn stream(mut states: watch::Receiver<Latest>, last_hash: Option<&str>) -> mpsc::Receiver<Bytes> {
     let (sender, events) = mpsc::channel(UNREAD);
+    let now = states.borrow_and_update().clone();
+    let first = match last_hash {
+        Some(hash) if hash != hash_of(&now) => event(&now),
+        // Without data it is no event, but the page returns the hash when it connects again.
+        _ => Bytes::from(format!("id: {}\n\n", hash_of(&now))),
+    };
     tokio::spawn(async move {
-        loop {
-            let event = match timeout(HEARTBEAT, states.changed()).await {
+        let mut next = first;
+        while sender.send(next).await.is_ok() {
+            next = match timeout(HEARTBEAT, states.changed()).await {
                 Ok(Ok(())) => event(&states.borrow_and_update()),
                 Ok(Err(_)) => return,
                 Err(_) => Bytes::from_static(b":\n\n"),
             };
-            if sender.send(event).await.is_err() {
-                return;
-            }
         }
     });
     events
@@ -39,5 +44,10 @@ fn event(state: &Latest) -> Bytes {
         Ok(contents) => json!(contents),
         Err(error) => json!({ "error": error }),
     };
-    Bytes::from(format!("data: {data}\n\n"))
+    Bytes::from(format!("id: {}\ndata: {data}\n\n", hash_of(state)))
+}
+
+/// The hash of the file, or a word in its place: an empty id is none.
+fn hash_of(state: &Latest) -> &str {
+    state.as_ref().as_ref().map_or("unreadable", |contents| contents.sha256.as_str())
 }

@@ -89,11 +89,9 @@ impl LayoutFile {
         self.latest.borrow().clone()
     }
 
-    /// The states of the file, from the one of now on.
+    /// The state of the file, and its changes.
     pub(super) fn states(&self) -> watch::Receiver<Latest> {
-        let mut states = self.latest.subscribe();
-        states.mark_changed();
-        states
+        self.latest.subscribe()
     }
 
     /// A watch of the file, and of the one that it is a link to.

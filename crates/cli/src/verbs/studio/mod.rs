@@ -10,8 +10,6 @@ mod engine;
 mod events;
 /// The file that is shown and kept.
 mod layout_file;
-/// The page.
-mod page;
 /// Answers with their headers.
 mod reply;
 /// What a request asks for.

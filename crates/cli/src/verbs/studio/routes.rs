@@ -6,6 +6,7 @@ use http_body_util::{BodyExt, LengthLimitError, Limited};
 use hyper::body::{Body, Bytes, Incoming};
 use hyper::header::CONTENT_TYPE;
 use hyper::{HeaderMap, Method, Request, StatusCode};
+use magsplice_live_page::{LivePage, PageEngine, live_page};
 use serde::Deserialize;
 use serde_json::json;
 use tokio::sync::mpsc;
@@ -13,7 +14,7 @@ use tokio::task::spawn_blocking;
 
 use super::layout_file::NotWritten;
 use super::reply::{self, Reply};
-use super::{Studio, events, page};
+use super::{Studio, events};
 
 /// Largest size of a request and of the file, 16 MiB: a layout of 100 000 tiles.
 pub(super) const MAX_BODY_BYTES: usize = 16 << 20;
@@ -50,7 +51,7 @@ pub(super) async fn answer(studio: &Studio, request: Request<Incoming>) -> Reply
     }
     let answered = match (path, is_post) {
         ("", _) => show_page(studio).await,
-        ("events", _) => Ok(reply::events(events::stream(studio.file.states()))),
+        ("events", _) => Ok(follow_file(studio, request.headers())),
         ("file", false) => read_file(studio).await,
         ("file", true) => write_file(studio, request).await,
         _ => evaluate(studio, request).await,
@@ -73,9 +74,14 @@ async fn show_page(studio: &Studio) -> Result<Reply, Reply> {
         let latest = file.read();
         // The page asks for the file, and then shows why it cannot be read.
         let text = latest.as_ref().as_ref().map_or("", |contents| contents.text.as_str());
-        reply::html(page::page(&file.name(), text))
+        reply::html(live_page(&LivePage { name: &file.name(), text, engine: PageEngine::Server }))
     })
     .await
+}
+
+fn follow_file(studio: &Studio, headers: &HeaderMap) -> Reply {
+    let last_hash = headers.get("last-event-id").and_then(|hash| hash.to_str().ok());
+    reply::events(events::stream(studio.file.states(), last_hash))
 }
 
 async fn read_file(studio: &Studio) -> Result<Reply, Reply> {
