@@ -10,11 +10,13 @@ use magsplice_page_engine::ReadableFiles;
 use serde::Serialize;
 use tokio::sync::watch;
 
-use super::routes::MAX_BODY_BYTES;
 use crate::failure::Failure;
 use crate::file_watch::FileWatch;
 use crate::output::destination::{Output, followed, is_standard};
 use crate::sha256::sha256;
+
+/// Largest size of the file, 16 MiB: a layout of 100 000 tiles.
+pub(super) const MAX_FILE_BYTES: usize = 16 << 20;
 
 /// Time without a change after which the file is read. Editors that empty a file and write it do so
 /// within a few milliseconds. A change must arrive in the page within 200 ms, of which the watch
@@ -181,9 +183,9 @@ fn bytes(path: &Path) -> io::Result<Vec<u8>> {
         return Err(io::Error::other("it is not a regular file"));
     }
     let mut bytes = Vec::new();
-    File::open(path)?.take(MAX_BODY_BYTES as u64 + 1).read_to_end(&mut bytes)?;
-    if bytes.len() > MAX_BODY_BYTES {
-        return Err(io::Error::other(format!("it has more than {MAX_BODY_BYTES} bytes, too many for a page")));
+    File::open(path)?.take(MAX_FILE_BYTES as u64 + 1).read_to_end(&mut bytes)?;
+    if bytes.len() > MAX_FILE_BYTES {
+        return Err(io::Error::other(format!("it has more than {MAX_FILE_BYTES} bytes, too many for a page")));
     }
     Ok(bytes)
 }

@@ -28,6 +28,7 @@ use crate::output::destination;
 use access::Access;
 use engine::Engine;
 use layout_file::LayoutFile;
+use routes::Studio;
 
 /// Show a layout as a live page: drag tiles, watch the field, keep the file.
 ///
@@ -50,13 +51,6 @@ pub(crate) struct StudioArgs {
     /// Port of the page, from 1024 to 65535 [default: a free one]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1024..))]
     port: Option<u16>,
-}
-
-/// The parts of the server that requests share.
-struct Studio {
-    access: Access,
-    file: Arc<LayoutFile>,
-    engine: Arc<Engine>,
 }
 
 pub(crate) fn run(args: &StudioArgs, quiet: bool) -> Result<(), Failure> {

@@ -12,18 +12,27 @@ use serde_json::json;
 use tokio::sync::mpsc;
 use tokio::task::spawn_blocking;
 
-use super::layout_file::NotWritten;
+use super::access::Access;
+use super::engine::Engine;
+use super::events;
+use super::layout_file::{LayoutFile, MAX_FILE_BYTES, NotWritten};
 use super::reply::{self, Reply};
-use super::{Studio, events};
 
-/// Largest size of a request and of the file, 16 MiB: a layout of 100 000 tiles.
-pub(super) const MAX_BODY_BYTES: usize = 16 << 20;
+/// Largest size of a request: that of the file, which it may hold.
+const MAX_BODY_BYTES: usize = MAX_FILE_BYTES;
 
 /// Largest length of the name of a client.
 const MAX_CLIENT_BYTES: usize = 64;
 
 /// Lines of progress that a client may leave unread before some are lost.
 const UNREAD_LINES: usize = 64;
+
+/// The parts of the server that requests share.
+pub(super) struct Studio {
+    pub(super) access: Access,
+    pub(super) file: Arc<LayoutFile>,
+    pub(super) engine: Arc<Engine>,
+}
 
 /// A text for the file, in place of the one with the hash `base`.
 #[derive(Deserialize)]

@@ -15,7 +15,7 @@ use tokio::net::TcpStream;
 use tokio::runtime::Builder;
 
 use super::reply::Reply;
-use super::{Studio, routes};
+use super::routes::{self, Studio};
 
 /// Pause after a connection that could not be accepted, such as without free file descriptors.
 const PAUSE: Duration = Duration::from_millis(100);
