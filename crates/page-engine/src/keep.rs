@@ -1,10 +1,9 @@
 //! Changed tiles, written into the text of their layout.
 
 use std::collections::HashMap;
+use std::path::Path;
 
-use magsplice::layout::{
-    Layout, LayoutError, NamedTile, PathStep, TextEdit, TileForm, document_of, edited_text, ten_decimals,
-};
+use magsplice::layout::{Layout, NamedTile, PathStep, TextEdit, TileForm, document_of, edited_text, ten_decimals};
 use magsplice::prelude::{DVec3, Tile};
 use serde_json::{Map, Value, json};
 
@@ -14,22 +13,23 @@ const WRITTEN: f64 = 1e-9;
 
 /// The text with the tiles of `layout`. Entries that describe one tile, and its mirror images,
 /// change in place and keep their comments. If that does not give the tiles, all of them are
-/// written anew as one `[[tile]]` each.
+/// written anew as one `[[tile]]` each. `folder` is that of the layout's file.
 ///
 /// # Errors
 /// If the layout breaks a rule, such as overlapping tiles.
 pub(crate) fn text_with_tiles(
     layout: &Layout,
     text: &str,
-    read: impl Fn(&str) -> Result<Layout, LayoutError>,
-) -> Result<String, LayoutError> {
+    folder: &Path,
+    read: impl Fn(&str) -> Result<Layout, String>,
+) -> Result<String, String> {
     let before = read(text)?;
     if let Some(edited) = edited_in_place(layout, &before, text)
         && read(&edited).is_ok_and(|read| has_same_tiles(&read, layout))
     {
         return Ok(edited);
     }
-    layout.to_edited_toml(TileForm::Plain, "", &layout.name)
+    layout.to_edited_toml(TileForm::Plain, folder, &layout.name).map_err(|error| error.to_string())
 }
 
 /// The text with the keys of changed tiles set in their own entries.

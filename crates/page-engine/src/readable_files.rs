@@ -1,7 +1,7 @@
 //! The files beside a layout that its session may read.
 
 use std::collections::BTreeSet;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use magsplice::layout::{Layout, referenced_files};
 
@@ -26,6 +26,11 @@ impl ReadableFiles {
         ReadableFiles { folder: folder.into(), names: BTreeSet::new() }
     }
 
+    /// The folder to which names in the layout are relative.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
     /// The layout in a text that refers to no other files. `name` identifies it in messages.
     ///
     /// # Errors
@@ -39,10 +44,7 @@ impl ReadableFiles {
 
     /// Refuses a file to which the layout on disk does not refer. `name` identifies the layout in
     /// the message.
-    ///
-    /// # Errors
-    /// If it is another file, or the same one under another name.
-    pub fn check(&self, file: &str, name: &str) -> Result<(), String> {
+    fn check(&self, file: &str, name: &str) -> Result<(), String> {
         if self.names.contains(file) {
             return Ok(());
         }

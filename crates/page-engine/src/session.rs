@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use magsplice::Film;
 use magsplice::decouple::Figures;
 use magsplice::design::{DesignProblem, ProgressUpdate, SearchStage};
-use magsplice::layout::{Layout, LayoutError, TileForm, edited_text};
+use magsplice::layout::{Layout, TileForm, edited_text};
 use magsplice::magnet::overlaps;
 use magsplice::prelude::{DVec3, Tile};
 use magsplice::tolerance::{Statistics, statistics};
@@ -16,6 +16,7 @@ use serde_json::Value;
 
 use crate::evaluated::{Evaluated, Mapped};
 use crate::keep::text_with_tiles;
+use crate::readable_files::ReadableFiles;
 use crate::request::{Request, TileEdit};
 use crate::state::State;
 
@@ -26,12 +27,14 @@ pub type Observer<'o> = &'o mut (dyn FnMut(&str) -> ControlFlow<()> + Send);
 #[derive(Debug, Default)]
 pub struct Session {
     open: Option<OpenLayout>,
+    files: ReadableFiles,
 }
 
 #[derive(Debug)]
 struct OpenLayout {
     name: String,
     text: String,
+    files: ReadableFiles,
     /// The layout of the text, with the tiles of later edits.
     layout: Layout,
     /// The film of the layout, if it was evaluated, and whether it is rigid.
@@ -73,6 +76,14 @@ struct Improved {
 }
 
 impl Session {
+    /// Lets later requests read these files beside the layout. A new session reads none.
+    pub fn allow(&mut self, files: ReadableFiles) {
+        if let Some(open) = &mut self.open {
+            open.files = files.clone();
+        }
+        self.files = files;
+    }
+
     /// The answer to a request, both as JSON.
     pub fn answer(&mut self, request: &[u8]) -> String {
         self.answer_reporting(request, &mut |_| ControlFlow::Continue(()))
@@ -90,8 +101,9 @@ impl Session {
 
     fn evaluated(&mut self, request: Request, observer: Observer) -> Result<String, String> {
         if let Request::Open { text, name } = request {
-            let layout = read(&text, &name)?;
-            let open = self.open.insert(OpenLayout { name, text, layout, film: None, made: None });
+            let files = self.files.clone();
+            let layout = files.layout(&text, &name)?;
+            let open = self.open.insert(OpenLayout { name, text, files, layout, film: None, made: None });
             return json(&open.state());
         }
         let open = self.open.as_mut().ok_or("no layout is open")?;
@@ -104,8 +116,8 @@ impl Session {
             }
             Request::Edit { tiles } => json(&open.edit(&tiles)?),
             Request::Keep => {
-                let read = |text: &str| Layout::parse(text, &open.name);
-                let text = text_with_tiles(&open.layout, &open.text, read).map_err(|error| error.to_string())?;
+                let read = |text: &str| open.files.layout(text, &open.name);
+                let text = text_with_tiles(&open.layout, &open.text, open.files.folder(), read)?;
                 open.replace(text)?;
                 json(&open.state())
             }
@@ -128,7 +140,7 @@ impl OpenLayout {
     }
 
     fn replace(&mut self, text: String) -> Result<(), String> {
-        let layout = read(&text, &self.name)?;
+        let layout = self.files.layout(&text, &self.name)?;
         (self.text, self.layout, self.film, self.made) = (text, layout, None, None);
         Ok(())
     }
@@ -206,7 +218,9 @@ impl OpenLayout {
         let found = problem.search(&stopped).map_err(|error| error.to_string())?;
         let is_finished = !found.interrupted;
         let layout = problem.designed_layout(&found, "magsplice page");
-        let text = layout.to_edited_toml(TileForm::Compact, "", &self.name).map_err(|error| error.to_string())?;
+        let text = layout
+            .to_edited_toml(TileForm::Compact, self.files.folder(), &self.name)
+            .map_err(|error| error.to_string())?;
         self.replace(text)?;
         let errors = errors.into_inner().expect("no panic holds it");
         Ok(Improved {
@@ -216,10 +230,6 @@ impl OpenLayout {
             is_finished,
         })
     }
-}
-
-fn read(text: &str, name: &str) -> Result<Layout, String> {
-    Layout::parse(text, name).map_err(|error: LayoutError| error.to_string())
 }
 
 fn json(value: &impl Serialize) -> Result<String, String> {

@@ -380,7 +380,7 @@ fn engine_has_a_session_for_each_client() {
     assert!(known["uniformity_rmse"].is_object());
     assert_eq!(studio.ask("worker", &json!("keep")), json!({ "error": "no layout is open" }));
     let refused = studio.ask("worker", &opened("format = "));
-    assert!(refused["error"].as_str().expect("a message").starts_with("film.toml: TOML parse error"), "{refused}");
+    assert!(refused["error"].as_str().expect("a message").starts_with("film: TOML parse error"), "{refused}");
     assert_eq!(studio.ask("page", &json!("keep"))["ok"]["text"], published);
 }
 
@@ -396,7 +396,7 @@ fn engine_reads_only_files_of_the_layout_on_disk() {
     let events = studio.events();
     for file in ["x.csv", "../x.csv", "/etc/passwd"] {
         let refused = studio.ask("1", &opened(&measured(file)));
-        let known = format!("films/film.toml: refers to \"{file}\", must refer only to files");
+        let known = format!("film: refers to \"{file}\", must refer only to files");
         assert!(refused["error"].as_str().expect("a message").starts_with(&known), "{refused}");
     }
     // In a value that is set in the text, too.

@@ -33,8 +33,11 @@ pub(super) fn usual(layouts: &[PathBuf]) -> PathBuf {
 
 /// The live page of a layout without a named destination: `NAME.html` for `NAME.toml`.
 pub(super) fn usual_page(layouts: &[PathBuf]) -> PathBuf {
-    let name = layouts.first().and_then(|layout| layout.file_stem()).unwrap_or_default();
-    Path::new(name).with_added_extension(PAGE_ENDING)
+    let stem = layouts.first().and_then(|layout| layout.file_stem()).unwrap_or_default();
+    let mut name = OsString::from(stem);
+    name.push(".");
+    name.push(PAGE_ENDING);
+    PathBuf::from(name)
 }
 
 impl Destination {

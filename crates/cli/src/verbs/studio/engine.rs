@@ -5,9 +5,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use hyper::body::Bytes;
 use magsplice::threads;
-use magsplice_page_engine::{Observer, ReadableFiles, Session};
+use magsplice_page_engine::Session;
 use rayon::ThreadPool;
-use serde_json::{Value, json};
 use tokio::sync::mpsc::Sender;
 use tokio::sync::mpsc::error::TrySendError;
 
@@ -64,8 +63,10 @@ impl Engine {
             // A line of progress may be lost where the client reads slowly.
             Ok(()) | Err(TrySendError::Full(_)) => ControlFlow::Continue(()),
         };
-        let path = self.file.shown_path();
-        let answer = client.threads.install(|| answered(session, &files, &path, request, &mut report));
+        let answer = client.threads.install(|| {
+            session.allow(files);
+            session.answer_reporting(request, &mut report)
+        });
         // Nobody waits for the answer if this fails.
         let _ = lines.blocking_send(with_end(&answer));
     }
@@ -86,52 +87,6 @@ impl Client {
             *session = Session::default();
             session
         })
-    }
-}
-
-/// The answer of a session to a request. A layout may refer only to `files`, and is read as the one
-/// at `path`.
-fn answered(session: &mut Session, files: &ReadableFiles, path: &str, request: &[u8], report: Observer) -> String {
-    match checked(request, files, path) {
-        Ok(request) => session.answer_reporting(&request, report),
-        Err(error) => json!({ "error": error }).to_string(),
-    }
-}
-
-/// A request that refers only to `files`: in the text of a layout, or in values to set in it. The
-/// session reads the files, relative to the folder of `path`.
-fn checked(request: &[u8], files: &ReadableFiles, path: &str) -> Result<Vec<u8>, String> {
-    let mut value: Value = serde_json::from_slice(request).map_err(|error| error.to_string())?;
-    check_names(&value, files, path)?;
-    if let Some(open) = value.get_mut("open").and_then(Value::as_object_mut) {
-        if let Some(text) = open.get("text").and_then(Value::as_str) {
-            files.layout(text, path)?;
-        }
-        open.insert("name".to_owned(), path.into());
-    }
-    Ok(value.to_string().into_bytes())
-}
-
-/// Keys of a layout whose values are names of files.
-const KEYS_OF_FILES: [&str; 2] = ["file", "layout"];
-
-/// Checks the names of files in values to set: below such a key, or at the end of a path.
-fn check_names(value: &Value, files: &ReadableFiles, path: &str) -> Result<(), String> {
-    match value {
-        Value::Object(object) => {
-            let end = object.get("path").and_then(Value::as_array).and_then(|steps| steps.last()?.as_str());
-            object.iter().try_for_each(|(key, value)| match value {
-                Value::String(name)
-                    if KEYS_OF_FILES.contains(&key.as_str())
-                        || key == "value" && end.is_some_and(|end| KEYS_OF_FILES.contains(&end)) =>
-                {
-                    files.check(name, path)
-                }
-                value => check_names(value, files, path),
-            })
-        }
-        Value::Array(values) => values.iter().try_for_each(|value| check_names(value, files, path)),
-        _ => Ok(()),
     }
 }
 
