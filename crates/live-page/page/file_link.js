@@ -10,8 +10,10 @@ export async function linkFile(model, place) {
   place.append(status);
   /** Hash of the file as this page knows it. @type {string} */
   let base = "";
-  /** Its text as this page knows it. */
+  /** The text of this page when it was last in step with the file. */
   let known = "";
+  /** The text of the file while it is broken, and this page shows the film before. @type {string | null} */
+  let broken = null;
   let isAsking = false;
   /** @type {Promise<void>} Writes follow each other. */
   let last = Promise.resolve();
@@ -26,7 +28,7 @@ export async function linkFile(model, place) {
     const response = await fetch("file", { method: "POST", body, headers: { "content-type": "application/json" } });
     const answer = await response.json();
     if (response.ok) {
-      [base, known] = [answer.sha256, text];
+      [base, known, broken] = [answer.sha256, text, null];
       tell(`saved in ${model.name}`);
     } else if (response.status === 409) {
       await decide(answer);
@@ -63,6 +65,9 @@ export async function linkFile(model, place) {
   async function take(file) {
     [base, known] = [file.sha256, file.text];
     const isRead = await model.open(file.text);
+    broken = isRead ? null : file.text;
+    // The film before the broken one is no change of this page.
+    if (!isRead) known = model.state?.text ?? "";
     tell(isRead ? `as in ${model.name}` : `${model.name} is broken: the last good film stays`, !isRead);
   }
 
@@ -85,6 +90,9 @@ export async function linkFile(model, place) {
   [base, known] = [file.sha256, file.text];
   model.restListeners.push(() => {
     const text = model.state?.text;
-    if (text !== undefined && text !== known) last = last.then(() => write(text)).catch(() => tell("the program does not answer", true));
+    if (text === undefined || text === known) return;
+    // A broken text may be half an edit: it is not replaced unasked.
+    const work = () => (broken === null ? write(text) : decide({ text: broken, sha256: base }));
+    last = last.then(work).catch(() => tell("the program does not answer", true));
   });
 }
