@@ -27,7 +27,8 @@ export async function opened(context, url) {
 
 /** Waits until nothing is computed for the page itself. */
 export async function settled(page) {
-  await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => setTimeout(done, 60))));
+  await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => setTimeout(done, 20))));
+  await page.waitForSelector("main[aria-busy=false]");
   assert.deepEqual(page.failures ?? [], []);
 }
 

@@ -8,6 +8,8 @@ import { createRequire } from "node:module";
 import { join } from "node:path";
 import { createInterface } from "node:readline";
 
+import { changeFilm, checkAccess, gestureTimes, opened as openedFilm } from "./live_film.mjs";
+
 const { chromium } = createRequire(import.meta.url)("playwright-core");
 const [program, executablePath, folder] = process.argv.slice(2);
 const layout = "layouts/designed-displacement.toml";
@@ -19,8 +21,14 @@ const file = join(folder, "film.toml");
 const comment = "# A comment of the editor.\n";
 const original = comment + readFileSync(layout, "utf8");
 writeFileSync(file, original);
-const server = spawn(program, ["studio", "film.toml", "--quiet"], { cwd: folder, stdio: ["ignore", "pipe", "inherit"] });
-const [url] = await new Promise((resolve) => createInterface(server.stdout).once("line", (line) => resolve([line])));
+writeFileSync(join(folder, "published-film.toml"), readFileSync("layouts/published-film.toml").toString().replace(/^field = .*\n/m, ""));
+async function served(name) {
+  const server = spawn(program, ["studio", name, "--quiet"], { cwd: folder, stdio: ["ignore", "pipe", "inherit"] });
+  const url = await new Promise((resolve) => createInterface(server.stdout).once("line", resolve));
+  return { server, url };
+}
+const { server, url } = await served("film.toml");
+const published = await served("published-film.toml");
 const browser = await chromium.launch({ executablePath, args: ["--no-sandbox"] });
 
 const failures = [];
@@ -130,8 +138,15 @@ try {
   const status = await new Promise((resolve) => server.once("exit", resolve));
   assert.equal(status, 0);
   await page.waitForFunction(() => document.getElementById("file").textContent.includes("start `magsplice studio` again"));
+
+  // The program answers as the module in a page does: everything that changes a film.
+  const context = await browser.newContext({ viewport: { width: 1280, height: 1000 }, acceptDownloads: true });
+  const film = await openedFilm(context, published.url);
+  await changeFilm(film);
+  await checkAccess(film);
+  console.log(`studio: a gesture takes ${(await gestureTimes(film)).toFixed(1)} ms (median)`);
   console.log(`studio: an edit of ${layout} shows after ${Math.min(...times)} ms (${times.join(", ")} ms)`);
 } finally {
-  server.kill("SIGKILL");
+  for (const { server: each } of [{ server }, published]) each.kill("SIGKILL");
   await browser.close();
 }

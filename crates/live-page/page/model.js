@@ -42,6 +42,9 @@ export class Model {
     this.restListeners = [];
     /** @type {Promise<any>} Requests follow each other. */
     this.last = Promise.resolve();
+    this.waiting = 0;
+    /** @type {(isBusy: boolean) => void} Called when requests begin, and when all are answered. */
+    this.onBusy = () => {};
   }
 
   show() {
@@ -71,7 +74,10 @@ export class Model {
 
   /** Works on the layout, one after the other. @template T @param {() => Promise<T>} work @returns {Promise<T>} */
   inTurn(work) {
-    const done = this.last.then(work);
+    if (this.waiting++ === 0) this.onBusy(true);
+    const done = this.last.then(work).finally(() => {
+      if (--this.waiting === 0) this.onBusy(false);
+    });
     this.last = done.catch(() => {});
     return done;
   }

@@ -26,6 +26,7 @@ async function start() {
   const newEngine = () => (module ? workerEngine(module) : serverEngine());
   const model = new Model(engine, source.name);
 
+  model.onBusy = (isBusy) => set(part("main"), { "aria-busy": String(isBusy) });
   const message = part("message");
   model.listeners.push(() => {
     message.textContent = model.message;
