@@ -11,6 +11,9 @@ const BINS = 24;
 
 /** @typedef {{ name: string, squares: number, rms_mm: number }} CauseRow */
 
+// A share of the total below this is round-off: a head rejects a stray field to the last digit.
+const ROUND_OFF = 1e-12;
+
 /** The causes of a budget, the largest first: mean squares along all axes together.
  * @param {any} budget @returns {{ total_mm: number, rows: CauseRow[] }} */
 export function causesOf(budget) {
@@ -20,7 +23,8 @@ export function causesOf(budget) {
     return { name: part.name, squares, rms_mm: Math.sign(squares) * Math.sqrt(Math.abs(squares)) };
   });
   rows.sort((/** @type {CauseRow} */ a, /** @type {CauseRow} */ b) => b.squares - a.squares);
-  return { total_mm: Math.sqrt(Math.max(0, sum(budget.total_mm2))), rows: rows.filter((/** @type {CauseRow} */ row) => row.squares !== 0) };
+  const total = Math.max(0, sum(budget.total_mm2));
+  return { total_mm: Math.sqrt(total), rows: rows.filter((/** @type {CauseRow} */ row) => Math.abs(row.squares) > ROUND_OFF * total) };
 }
 
 /** @param {import("#model").Model} model @param {HTMLElement} place @param {() => import("#engine").Engine} newEngine */

@@ -5,7 +5,8 @@ import { element, rounded, set, short } from "#format";
 /** @typedef {import("#model").Model} Model */
 /** @typedef {import("#model").TextEdit} TextEdit */
 /** @typedef {{ label: string, unit: string, range: [number, number, number], path: (string | number)[],
- *   read: (document: any) => number | null, write: (value: number, document: any, model: Model) => TextEdit[], start: number }} Slider
+ *   read: (document: any) => number | null, write: (value: number, document: any, model: Model) => TextEdit[],
+ *   start: number | ((model: Model) => number), needs?: (document: any) => boolean }} Slider
  *   a number that is absent until its switch is on; `range` is least, most and step */
 /** @typedef {{ label: string, options: [string, string][], read: (document: any) => string,
  *   write: (value: string, document: any, model: Model) => TextEdit[] }} Choice */
@@ -26,6 +27,10 @@ const key = (path, slider, written = (value) => value) => ({
 });
 
 const PARTS = ["MLX90393", "TLV493D", "LIS3MDL", "MMC5983MA"];
+
+/** Keys of the errors that tiles have. */
+const TILE_ERRORS = ["position_mm", "rotation_deg", "size_mm", "strength", "direction_deg", "kind", "tile", "group"];
+const OWN = "own";
 
 /** @type {Choice[]} */
 const CHOICES = [
@@ -59,9 +64,11 @@ const CHOICES = [
   },
   {
     label: "errors of the tiles",
-    options: [["", "none"], ["by-hand", "made by hand"], ["workshop", "made in a workshop"], ["jig", "made in a jig"]],
-    read: (document) => at(document, ["tolerance", "preset"]) ?? "",
-    write: (value) => [{ path: ["tolerance", "preset"], value: value || null }],
+    options: [["", "none"], ["by-hand", "made by hand"], ["workshop", "made in a workshop"], ["jig", "made in a jig"], [OWN, "as the layout states them"]],
+    read: (document) => at(document, ["tolerance", "preset"]) ?? (TILE_ERRORS.some((name) => at(document, ["tolerance", name])) ? OWN : ""),
+    // A preset replaces the errors that the layout states.
+    write: (value) =>
+      value === OWN ? [] : [...TILE_ERRORS.flatMap((name) => remove(["tolerance", name])), { path: ["tolerance", "preset"], value: value || null }],
   },
 ];
 
@@ -82,7 +89,7 @@ const SLIDERS = [
       return reference_mm ? [...edits, { path: ["volume", "reference_mm"], value: [reference_mm[0], reference_mm[1], moved(reference_mm[2])] }] : edits;
     },
   },
-  key(["sensor", "spacing_mm"], { label: "spacing of the sensors", unit: "mm", range: [0.5, 10, 0.1], start: 2 }),
+  key(["sensor", "spacing_mm"], { label: "spacing of the sensors", unit: "mm", range: [0.5, 10, 0.1], start: (model) => model.state?.head_spacing_mm ?? 2, needs: (document) => Boolean(at(document, ["sensor", "head"])) }),
   key(["tolerance", "sensor", "rotation_deg"], { label: "tilt of the sensor, standard deviation", unit: "degrees", range: [0, 5, 0.1], start: 1 }),
   key(["tolerance", "iron", "distance_mm"], { label: "iron plate that comes near, distance", unit: "mm", range: [1, 60, 0.5], start: 20 }),
   key(["tolerance", "temperature", "change_k"], { label: "change of temperature", unit: "K", range: [-40, 40, 1], start: 10 }, (value) => ({ fixed: value })),
@@ -143,13 +150,16 @@ export function showSurroundings(model, place) {
     read: (of) => strayField(of)?.ut ?? null,
     write: (ut) => strayEdits(ut, direction.value),
   };
-  direction.addEventListener("change", () => model.change({ edits: strayEdits(stray.read(document()) ?? stray.start, direction.value) }));
+  direction.addEventListener("change", () => model.change({ edits: strayEdits(stray.read(document()) ?? startOf(stray), direction.value) }));
   place.append(setting(stray, true, (ut) => strayEdits(ut, direction.value), () => switchedOff(STRAY), direction));
   shown.push((of) => {
     const field = strayField(of);
     set(direction, { disabled: field === null });
     if (field) direction.value = field.direction;
   });
+
+  /** The value with which a switch begins. @param {Slider} slider */
+  const startOf = ({ start }) => (typeof start === "function" ? start(model) : start);
 
   /** The edits that switch a cause off: its table goes. @param {(string | number)[]} path */
   const switchedOff = (path) => remove(path[0] === "tolerance" && path.length > 2 && path[1] !== "sensor" ? path.slice(0, 2) : path);
@@ -173,9 +183,10 @@ export function showSurroundings(model, place) {
       gesture = null;
     });
     typed.addEventListener("change", () => typed.value !== "" && model.change({ edits: edits(Number(typed.value)) }));
-    onOff.addEventListener("change", () => model.change({ edits: onOff.checked ? edits(slider.start) : off() }));
+    onOff.addEventListener("change", () => model.change({ edits: onOff.checked ? edits(startOf(slider)) : off() }));
     shown.push((of) => {
       const value = slider.read(of);
+      set(onOff, { disabled: value === null && !(slider.needs?.(of) ?? true) });
       for (const input of [range, typed]) {
         set(input, { disabled: value === null });
         if (value !== null && input !== globalThis.document.activeElement) input.value = String(value);
