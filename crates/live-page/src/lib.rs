@@ -90,8 +90,8 @@ pub fn live_page(page: &LivePage) -> String {
     })
 }
 
-/// The engine that was built into this crate: the module named by `MAGSPLICE_PAGE_ENGINE` when it was
-/// compiled. `None` if none was named.
+/// The engine that was built into this crate: the module named by `MAGSPLICE_PAGE_ENGINE` when it
+/// was compiled. `None` if none was named.
 pub fn built_in_engine() -> Option<&'static [u8]> {
     const ENGINE: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/engine.wasm.gz"));
     (!ENGINE.is_empty()).then_some(ENGINE)

@@ -60,8 +60,8 @@ pub enum Request {
         /// Seed of the random numbers.
         seed: u64,
     },
-    /// Steps of the search for a better film, by the table `[design]`. The answer is the film found,
-    /// which becomes the layout.
+    /// Steps of the search for a better film, by the table `[design]`. The answer is the film
+    /// found, which becomes the layout.
     Improve {
         /// Largest number of steps.
         steps: usize,

@@ -10,7 +10,6 @@ use crate::film_results::FilmResults;
 use crate::html::{Pages, contents, figure_element, head};
 use crate::number_tables::{entries, number_tables, tables_of_film};
 use crate::page_data::{page_data_json, refinement, strides};
-use crate::report::LIVE_PAGE_NAME;
 use crate::typeset::AXIS_NAMES;
 use crate::verdict::summary;
 
@@ -25,6 +24,9 @@ const SCRIPTS: [&str; 6] = [
     include_str!("../page/view.js"),
     include_str!("../page/start.js"),
 ];
+
+/// File name of the live page beside this one.
+pub(crate) const LIVE_PAGE_NAME: &str = "live.html";
 
 /// What the frame in the view means.
 const FRAME_HINT: &str = "\nThe blue frame is the working volume, dashed where tiles hide it.";

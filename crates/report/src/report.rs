@@ -10,14 +10,11 @@ use crate::error::ReportError;
 use crate::figure_drafts::drafts;
 use crate::film_results::{FilmResults, ReportInput};
 use crate::html::Pages;
-use crate::page::page;
+use crate::page::{LIVE_PAGE_NAME, page};
 use crate::shared_ranges::SharedRanges;
 
 /// File name of the page.
 pub(crate) const PAGE_NAME: &str = "report.html";
-
-/// File name of the live page.
-pub(crate) const LIVE_PAGE_NAME: &str = "live.html";
 
 /// The figures of a film, and the HTML page that shows them.
 ///
