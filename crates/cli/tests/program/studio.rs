@@ -455,6 +455,37 @@ fn long_work_of_a_client_delays_no_other() {
     });
 }
 
+/// A search ends long before its usual end, and the session is free for the next request.
+#[test]
+fn work_ends_when_its_client_leaves() {
+    let sandbox = Sandbox::new();
+    let published = fs::read_to_string(shipped("published-film")).expect("readable");
+    sandbox.write("film.toml", &published);
+    let studio = Studio::start(&sandbox, &["film.toml"]);
+    let search = json!({ "improve": { "steps": 1_000_000_000 } });
+    assert!(studio.ask("1", &opened(&published))["ok"].is_object());
+    let begun = Instant::now();
+    assert!(studio.ask("1", &search)["ok"].is_object());
+    let whole = begun.elapsed();
+
+    assert!(studio.ask("1", &opened(&published))["ok"].is_object());
+    let mut stream = studio.connect();
+    let (token, host, body) = (&studio.token, studio.host(), search.to_string());
+    write!(
+        stream,
+        "POST /{token}/engine?client=1 HTTP/1.1\r\nHost: {host}\r\nContent-Type: application/json\r\n\
+         Content-Length: {}\r\n\r\n{body}",
+        body.len()
+    )
+    .expect("sent");
+    let mut lines = BufReader::new(&stream).lines().map_while(Result::ok);
+    assert!(lines.any(|line| line.starts_with("{\"progress\":")));
+    drop(stream);
+    let begun = Instant::now();
+    assert!(studio.ask("1", &json!("keep"))["ok"].is_object());
+    assert!(begun.elapsed() < whole / 2, "{:?} of {whole:?}", begun.elapsed());
+}
+
 #[test]
 fn broken_requests_are_refused() {
     let sandbox = Sandbox::new();
