@@ -10,7 +10,7 @@ use crate::session::Session;
 
 thread_local! {
     static BUFFER: RefCell<Vec<u8>> = const { RefCell::new(Vec::new()) };
-    static SESSION: RefCell<Session> = RefCell::new(Session::default());
+    static SESSION: RefCell<Session> = RefCell::new(Session::of_module());
 }
 
 /// Makes room for a request of so many bytes and returns its address.

@@ -11,19 +11,37 @@ use magsplice::layout::{Layout, referenced_files};
 pub struct ReadableFiles {
     /// The folder to which the names are relative.
     folder: PathBuf,
-    /// The names, as the layout writes them.
-    names: BTreeSet<String>,
+    names: Names,
+}
+
+/// Names of files, as a layout writes them.
+#[derive(Clone, Debug, PartialEq)]
+enum Names {
+    Any,
+    These(BTreeSet<String>),
+}
+
+impl Default for Names {
+    fn default() -> Names {
+        Names::These(BTreeSet::new())
+    }
 }
 
 impl ReadableFiles {
     /// The files to which a text refers, in this folder. `None` if the text is not TOML.
     pub fn new(folder: impl Into<PathBuf>, text: &str) -> Option<ReadableFiles> {
-        Some(ReadableFiles { folder: folder.into(), names: referenced_files(text)? })
+        Some(ReadableFiles { folder: folder.into(), names: Names::These(referenced_files(text)?) })
     }
 
     /// No files.
     pub fn none(folder: impl Into<PathBuf>) -> ReadableFiles {
-        ReadableFiles { folder: folder.into(), names: BTreeSet::new() }
+        ReadableFiles { folder: folder.into(), names: Names::default() }
+    }
+
+    /// Any file: where there are none, as in a WebAssembly module. Layouts may then refer to
+    /// baselines, which a session does not read.
+    pub fn any() -> ReadableFiles {
+        ReadableFiles { folder: PathBuf::new(), names: Names::Any }
     }
 
     /// The folder to which names in the layout are relative.
@@ -45,8 +63,10 @@ impl ReadableFiles {
     /// Refuses a file to which the layout on disk does not refer. `name` identifies the layout in
     /// the message.
     fn check(&self, file: &str, name: &str) -> Result<(), String> {
-        if self.names.contains(file) {
-            return Ok(());
+        match &self.names {
+            Names::Any => return Ok(()),
+            Names::These(names) if names.contains(file) => return Ok(()),
+            Names::These(_) => {}
         }
         Err(format!(
             "{name}: refers to \"{}\", must refer only to files that the layout on disk refers to: add it there, with \
@@ -102,6 +122,10 @@ mod tests {
         assert!(none.layout("format = ", "film").is_err_and(|error| error.starts_with("film: TOML parse error")));
         assert!(none.layout(&measured("x.csv"), "film").is_err());
         assert_eq!(ReadableFiles::new("", "format = "), None);
+        let baseline = layout(
+            "[expect]\nfield = { file = \"field.csv\", within = 1 }\n[volume]\nx_mm = [-1, 1]\ny_mm = [-1, 1]\nz_mm = [-5, -3]\nstep_mm = 1\n",
+        );
+        assert!(none.layout(&baseline, "film").is_err() && ReadableFiles::any().layout(&baseline, "film").is_ok());
         assert_eq!(ReadableFiles::new("", &layout("")), Some(none));
     }
 }

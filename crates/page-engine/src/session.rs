@@ -76,6 +76,11 @@ struct Improved {
 }
 
 impl Session {
+    /// A session where there are no files: its layouts may refer to baselines.
+    pub fn of_module() -> Session {
+        Session { open: None, files: ReadableFiles::any() }
+    }
+
     /// Lets later requests read these files beside the layout. A new session reads none.
     pub fn allow(&mut self, files: ReadableFiles) {
         if let Some(open) = &mut self.open {
@@ -246,7 +251,7 @@ mod tests {
 
     fn opened(name: &str) -> Session {
         let text = std::fs::read_to_string(format!("../../layouts/{name}.toml")).expect("readable");
-        let mut session = Session::default();
+        let mut session = Session::of_module();
         let answer = ask(&mut session, &serde_json::json!({ "open": { "text": text, "name": name } }));
         assert_eq!(answer["ok"]["tiles"].as_array().expect("tiles").len(), 56);
         session
