@@ -34,6 +34,9 @@ impl DesignProblem<'_> {
     ///
     /// # Errors
     /// If no film keeps the rules, or the film to start from has no decoupling parameters.
+    ///
+    /// # Panics
+    /// In a WebAssembly module without imports, which has no clock.
     pub fn estimate(&self, threads: usize) -> Result<SearchEstimate, DesignError> {
         let begun = Instant::now();
         let start = self.least_squares.nearest(&self.pattern, &self.pattern.start);
