@@ -1,4 +1,10 @@
 //! The JSON Schema of the layout file, generated from the types that read it.
+//!
+//! A document is checked against the text `schema.json`, which a test compares with the types. After
+//! a change of the types, `UPDATE_EXPECT=1 cargo test -p magsplice-layout schema` writes it anew.
+//! Code that generates a schema is three times as long as its text.
+
+use std::sync::LazyLock;
 
 use schemars::Schema;
 use schemars::generate::SchemaSettings;
@@ -6,6 +12,10 @@ use schemars::transform::{RecursiveTransform, Transform};
 use serde_json::Value;
 
 use crate::file::LayoutFile;
+
+/// The schema with an example of many values, as TOML under the key `example`.
+pub(crate) static SCHEMA: LazyLock<Value> =
+    LazyLock::new(|| serde_json::from_str(include_str!("schema.json")).expect("a test compares it"));
 
 /// The JSON Schema (draft 2020-12) of layout files, with a description of every key, for editors
 /// and other programs.
@@ -24,8 +34,7 @@ pub fn schema() -> Schema {
     schema
 }
 
-/// The schema with an example of many values, as TOML under the key `example`.
-pub(crate) fn schema_with_examples() -> Schema {
+fn schema_with_examples() -> Schema {
     let settings = SchemaSettings::draft2020_12().with_transform(RecursiveTransform(in_words_of_toml));
     settings.into_generator().into_root_schema_for::<LayoutFile>()
 }
@@ -61,7 +70,21 @@ fn in_words_of_toml(schema: &mut Schema) {
 
 #[cfg(test)]
 mod tests {
+    use expect_test::expect_file;
+    use serde::Serialize;
+    use serde_json::Serializer;
+    use serde_json::ser::PrettyFormatter;
+
     use super::*;
+
+    /// One line for each value, without indentation.
+    #[test]
+    fn schema_text_is_that_of_the_types() {
+        let mut text = Vec::new();
+        let schema = schema_with_examples().to_value();
+        schema.serialize(&mut Serializer::with_formatter(&mut text, PrettyFormatter::with_indent(b""))).unwrap();
+        expect_file!["schema.json"].assert_eq(&(String::from_utf8(text).unwrap() + "\n"));
+    }
 
     /// Null is no value of TOML: types and choices lose it, and defaults of null go. Tables accept
     /// no other keys.

@@ -4,10 +4,8 @@
 //! only a document without any becomes tables.
 
 use std::ops::Range;
-use std::sync::LazyLock;
 
 use serde::Deserialize;
-use serde_json::Value;
 use toml::de::{DeTable, Deserializer};
 use toml::{Spanned, Table};
 
@@ -15,12 +13,10 @@ use crate::error::LayoutError;
 use crate::file::LayoutFile;
 use crate::file::check::misfits;
 use crate::file::form::Form;
-use crate::file::schema::schema_with_examples;
+use crate::file::schema::SCHEMA;
 use crate::limits::{MAX_FILE_BYTES, MAX_LISTED, MAX_MESSAGE_LINE};
 use crate::names::escaped;
 use crate::places::Place;
-
-static SCHEMA: LazyLock<Value> = LazyLock::new(|| schema_with_examples().to_value());
 
 /// Keys that a layout has at its top and few other files have.
 const KEYS_OF_LAYOUTS: [&str; 4] = ["format", "tile", "lattice", "volume"];
