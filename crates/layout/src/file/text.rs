@@ -14,6 +14,7 @@ use crate::file::LayoutFile;
 use crate::file::check::misfits;
 use crate::file::form::Form;
 use crate::file::schema::SCHEMA;
+use crate::file::values::from_table;
 use crate::limits::{MAX_FILE_BYTES, MAX_LISTED, MAX_MESSAGE_LINE};
 use crate::names::escaped;
 use crate::places::Place;
@@ -50,7 +51,7 @@ pub(crate) fn read(text: &str, origin: &str) -> Result<(LayoutFile, Place), Layo
         let place = Place::of_document(&document);
         // As values first, because a type that is read from values takes a third of the code.
         let values = Table::deserialize(Deserializer::from(document)).map_err(of_parser)?;
-        return values.try_into().map(|file| (file, place)).map_err(of_parser);
+        return from_table(values).map(|file| (file, place)).map_err(of_parser);
     }
     let mut all: Vec<String> =
         misfits.iter().take(MAX_LISTED).map(|misfit| in_place(text, misfit.span.clone(), &misfit.message)).collect();
