@@ -7,6 +7,7 @@ use serde::Deserialize;
 use toml::Table;
 
 use crate::error_unit::ErrorUnit;
+use crate::file::values::from_value;
 use crate::one_or_three::OneOrThree;
 
 /// The numbers of the parts.
@@ -74,7 +75,7 @@ pub(crate) struct Scale {
 impl Part {
     /// The part with this name.
     pub(crate) fn named(name: &str) -> Option<Part> {
-        parts().remove(name).map(|part| part.try_into().expect("a part is a table of numbers"))
+        parts().remove(name).map(|part| from_value(part).expect("a part is a table of numbers"))
     }
 
     /// The names of all parts.

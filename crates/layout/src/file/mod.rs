@@ -41,7 +41,7 @@ pub(crate) mod set;
 /// The text of a layout file.
 pub(crate) mod text;
 /// Values of a document, for the types that are read from them.
-mod values;
+pub(crate) mod values;
 
 // The comments are descriptions in the JSON Schema.
 /// A spliced magnet film or any other arrangement of block magnets. Lengths are in mm, polarization

@@ -1,8 +1,8 @@
 //! The JSON Schema of the layout file, generated from the types that read it.
 //!
-//! A document is checked against the text `schema.json`, which a test compares with the types. After
-//! a change of the types, `UPDATE_EXPECT=1 cargo test -p magsplice-layout schema` writes it anew.
-//! Code that generates the schema has four times the size of its text.
+//! Documents are checked against the text `schema.json`, which a test compares with the types.
+//! After a change of the types, `UPDATE_EXPECT=1 cargo test -p magsplice-layout schema` writes it.
+//! The code that generates the schema has four times the size of its text.
 
 use std::sync::LazyLock;
 

@@ -7,14 +7,14 @@ use std::ops::Range;
 
 use serde::Deserialize;
 use toml::de::{DeTable, Deserializer};
-use toml::{Spanned, Table};
+use toml::{Spanned, Value};
 
 use crate::error::LayoutError;
 use crate::file::LayoutFile;
 use crate::file::check::misfits;
 use crate::file::form::Form;
 use crate::file::schema::SCHEMA;
-use crate::file::values::from_table;
+use crate::file::values::from_value;
 use crate::limits::{MAX_FILE_BYTES, MAX_LISTED, MAX_MESSAGE_LINE};
 use crate::names::escaped;
 use crate::places::Place;
@@ -50,8 +50,8 @@ pub(crate) fn read(text: &str, origin: &str) -> Result<(LayoutFile, Place), Layo
     if misfits.is_empty() {
         let place = Place::of_document(&document);
         // As values first, because a type that is read from values takes a third of the code.
-        let values = Table::deserialize(Deserializer::from(document)).map_err(of_parser)?;
-        return from_table(values).map(|file| (file, place)).map_err(of_parser);
+        let values = Value::deserialize(Deserializer::from(document)).map_err(of_parser)?;
+        return from_value(values).map(|file| (file, place)).map_err(of_parser);
     }
     let mut all: Vec<String> =
         misfits.iter().take(MAX_LISTED).map(|misfit| in_place(text, misfit.span.clone(), &misfit.message)).collect();

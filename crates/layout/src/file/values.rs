@@ -1,8 +1,8 @@
 //! Values of a document, from which the tables of a layout are read.
 //!
-//! A type asks for a value of its own kind. [`toml::Value`] answers each type with any kind, so that
-//! a table is read from lists, numbers and texts too: three times the code, which the schema has
-//! made superfluous.
+//! A type asks for a value of its own kind. [`toml::Value`] answers with a value of any kind, so
+//! that each type also has code to be read from lists, numbers and texts, three times the code in
+//! all. The schema excludes such documents.
 
 use serde::de::value::{MapDeserializer, SeqDeserializer};
 use serde::de::{DeserializeOwned, Deserializer, Error as _, IntoDeserializer, Visitor};
@@ -10,9 +10,9 @@ use serde::forward_to_deserialize_any;
 use toml::de::Error;
 use toml::{Table, Value};
 
-/// Reads a table that fits the schema of `T`.
-pub(crate) fn from_table<T: DeserializeOwned>(table: Table) -> Result<T, Error> {
-    T::deserialize(OwnKind(Value::Table(table)))
+/// Reads a value that fits the schema of `T`.
+pub(crate) fn from_value<T: DeserializeOwned>(value: Value) -> Result<T, Error> {
+    T::deserialize(OwnKind(value))
 }
 
 /// A value that is of the kind that a type asks for.
