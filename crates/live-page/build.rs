@@ -16,6 +16,6 @@ fn main() {
         }
         None => Vec::new(),
     };
-    assert!(engine.is_empty() || engine.starts_with(&[0x1f, 0x8b]), "{VARIABLE} must name a file compressed by gzip");
-    fs::write(Path::new(&folder).join("engine.wasm.gz"), engine).expect("the folder can be written");
+    assert!(engine.is_empty() || engine.starts_with(b"\xfd7zXZ\0"), "{VARIABLE} must name a file compressed by xz");
+    fs::write(Path::new(&folder).join("engine.wasm.xz"), engine).expect("the folder can be written");
 }

@@ -1,5 +1,5 @@
 //! Writes the live page of a layout: `live_page LAYOUT MODULE PAGE`, where MODULE is the engine of
-//! the page, compressed by gzip.
+//! the page, compressed by xz.
 
 use std::{env, fs};
 

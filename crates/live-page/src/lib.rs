@@ -28,7 +28,7 @@ pub struct LivePage<'a> {
 /// Where the numbers of a page come from.
 #[derive(Clone, Copy, Debug)]
 pub enum PageEngine<'a> {
-    /// The WebAssembly module of `crates/page-engine`, compressed by gzip, inside the page.
+    /// The WebAssembly module of `crates/page-engine`, compressed by xz, inside the page.
     Module(&'a [u8]),
     /// The server of the page: `engine`, `file` and `events` beside it.
     Server,
@@ -36,6 +36,8 @@ pub enum PageEngine<'a> {
 
 const PAGE: &str = include_str!("../page/page.html");
 const STYLE: &str = include_str!("../page/page.css");
+/// xz-decompress 0.2.3 of npm, which unpacks the module.
+const DECODER: &str = include_str!("../page/vendor/xz-decompress.min.js");
 
 /// The modules by the names under which they import each other.
 macro_rules! modules {
@@ -69,6 +71,7 @@ pub fn live_page(page: &LivePage) -> String {
         PageEngine::Module(module) => ("module", STANDARD.encode(module)),
         PageEngine::Server => ("server", String::new()),
     };
+    let decoder = if module.is_empty() { String::new() } else { format!("<script>{DECODER}</script>\n") };
     let source = json!({ "name": page.name, "text": page.text, "engine": engine });
     let imports: serde_json::Map<String, serde_json::Value> = MODULES
         .iter()
@@ -85,15 +88,19 @@ pub fn live_page(page: &LivePage) -> String {
         "connect" => connect.to_owned(),
         "imports" => in_script(&json!({ "imports": imports }).to_string()),
         "source" => in_script(&source.to_string()),
+        "decoder" => decoder.clone(),
         "module" => module.clone(),
         _ => unreachable!("{placeholder} is not a placeholder of the page"),
     })
 }
 
+/// First bytes of a module that is compressed by xz.
+pub const MAGIC: &[u8] = b"\xfd7zXZ\0";
+
 /// The engine that was built into this crate: the module named by `MAGSPLICE_PAGE_ENGINE` when it
 /// was compiled. `None` if none was named.
 pub fn built_in_engine() -> Option<&'static [u8]> {
-    const ENGINE: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/engine.wasm.gz"));
+    const ENGINE: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/engine.wasm.xz"));
     (!ENGINE.is_empty()).then_some(ENGINE)
 }
 

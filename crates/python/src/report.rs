@@ -83,7 +83,7 @@ pub(crate) fn view(py: Python<'_>, film: &Film) -> PyResult<String> {
 }
 
 /// The live page of a film, with the engine of the package or the module that is given, compressed
-/// by gzip. `None` without an engine.
+/// by xz. `None` without an engine.
 #[pyfunction]
 #[pyo3(signature = (film, text, engine=None))]
 pub(crate) fn live_page(film: &Film, text: &str, engine: Option<Vec<u8>>) -> Option<String> {

@@ -1,8 +1,8 @@
 """Comparison, decoupling, tolerance, readings, design, report."""
 
 import base64
-import gzip
 import json
+import lzma
 from types import SimpleNamespace
 
 import numpy as np
@@ -175,8 +175,8 @@ def test_reports_have_the_figures_of_the_program(published, tmp_path):
 
 
 def test_live_page_holds_the_film_and_the_engine(published, tmp_path):
-    engine = tmp_path / "engine.wasm.gz"
-    engine.write_bytes(gzip.compress(b"\0asm"))
+    engine = tmp_path / "engine.wasm.xz"
+    engine.write_bytes(lzma.compress(b"\0asm"))
     page = published.show(engine=engine)
     assert "[[lattice]]" in page.html
     assert base64.b64encode(engine.read_bytes()).decode() in page.html

@@ -998,7 +998,7 @@ class Film(Sensed):
         height_px : int
             Height in pixels.
         engine : str or path, optional
-            WebAssembly module of the page, compressed by gzip. Default: the module of the package.
+            WebAssembly module of the page, compressed by xz. Default: the module of the package.
 
         Raises
         ------

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use magsplice::layout::Layout;
-use magsplice_live_page::{LivePage, PageEngine, built_in_engine, live_page};
+use magsplice_live_page::{LivePage, MAGIC, PageEngine, built_in_engine, live_page};
 
 use crate::failure::Failure;
 use crate::output::destination::Output;
@@ -27,8 +27,8 @@ impl Engine {
             return Err(refused(format!("{size} bytes, an engine has at most {MOST_BYTES}")));
         }
         let module = fs::read(path).map_err(|error| refused(error.to_string()))?;
-        if !module.starts_with(&[0x1f, 0x8b]) {
-            return Err(refused("is not compressed by gzip, as the engine of a live page is".to_owned()));
+        if !module.starts_with(MAGIC) {
+            return Err(refused("is not compressed by xz, as the engine of a live page is".to_owned()));
         }
         Ok(Engine(Some(module)))
     }

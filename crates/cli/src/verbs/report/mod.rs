@@ -67,7 +67,7 @@ pub(crate) struct ReportArgs {
     /// Only the live page, on which the film is changed and evaluated [default: NAME.html]
     #[arg(long, conflicts_with_all = ["watch", "figure"])]
     live: bool,
-    /// Engine of the live page: the WebAssembly module of crates/page-engine, compressed by gzip
+    /// Engine of the live page: the WebAssembly module of crates/page-engine, compressed by xz
     /// [default: the module built into the program]
     #[arg(long, value_name = "FILE")]
     engine: Option<PathBuf>,
