@@ -4,8 +4,9 @@ import { element } from "#format";
 
 /** @typedef {import("#model").Model} Model */
 
-/** @param {Model} model @param {HTMLElement} place where the state of the file is shown */
-export async function linkFile(model, place) {
+/** @param {Model} model @param {HTMLElement} place where the state of the file is shown
+ * @param {string} delivered the text of the file that came with the page */
+export async function linkFile(model, place, delivered) {
   const status = element("span", { class: "file", role: "status" });
   place.append(status);
   /** Hash of the file as this page knows it. @type {string} */
@@ -88,6 +89,8 @@ export async function linkFile(model, place) {
   const response = await fetch("file");
   const file = await response.json();
   [base, known] = [file.sha256, file.text];
+  // It may have changed since the page was delivered.
+  if (file.text !== delivered) await take(file);
   model.restListeners.push(() => {
     const text = model.state?.text;
     if (text === undefined || text === known) return;

@@ -49,7 +49,7 @@ async function start() {
   const linked = await textIn(location.hash);
   await model.open(source.text);
   if (linked !== null && linked !== source.text) await model.open(linked);
-  if (isServed) await linkFile(model, part("file"));
+  if (isServed) await linkFile(model, part("file"), source.text);
   performance.mark("ready");
   document.documentElement.dataset.ready = "true";
 }

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use magsplice::layout::{Layout, NamedTile, PathStep, TextEdit, TileForm, document_of, edited_text, ten_decimals};
 use magsplice::prelude::{DVec3, Tile};
+use magsplice::results::rounded_beside;
 use serde_json::{Map, Value, json};
 
 /// Largest difference of a written tile from the tile on the page, in millimetres and tesla. Angles
@@ -29,7 +30,22 @@ pub(crate) fn text_with_tiles(
     {
         return Ok(edited);
     }
-    layout.to_edited_toml(TileForm::Plain, folder, &layout.name).map_err(|error| error.to_string())
+    without_round_off(layout)?.to_edited_toml(TileForm::Plain, folder, &layout.name).map_err(|error| error.to_string())
+}
+
+/// The layout with twelve digits of each length: the centres of a lattice are sums of widths, such as
+/// 2.4999999999999996.
+fn without_round_off(layout: &Layout) -> Result<Layout, String> {
+    let mut rounded = layout.clone();
+    for named in &mut rounded.tiles {
+        let [position, size] = [named.tile.position(), named.tile.size()];
+        let largest = position.abs().max_element();
+        let of = |v: DVec3, largest: f64| v.map(|length| rounded_beside(length, largest));
+        let tile = Tile::new(of(position, largest), of(size, size.max_element()), named.tile.polarization_t());
+        let tile = tile.and_then(|tile| tile.rotated(named.tile.rotation()));
+        named.tile = tile.map_err(|faults| format!("tile \"{}\": {faults}", named.name))?;
+    }
+    Ok(rounded)
 }
 
 /// The text with the keys of changed tiles set in their own entries.

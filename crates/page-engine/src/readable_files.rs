@@ -33,6 +33,15 @@ impl ReadableFiles {
         Some(ReadableFiles { folder: folder.into(), names: Names::These(referenced_files(text)?) })
     }
 
+    /// Adds the files to which another text refers. Whether the text is TOML.
+    pub fn add(&mut self, text: &str) -> bool {
+        let Some(more) = referenced_files(text) else { return false };
+        if let Names::These(names) = &mut self.names {
+            names.extend(more);
+        }
+        true
+    }
+
     /// No files.
     pub fn none(folder: impl Into<PathBuf>) -> ReadableFiles {
         ReadableFiles { folder: folder.into(), names: Names::default() }
@@ -69,8 +78,8 @@ impl ReadableFiles {
             Names::These(_) => {}
         }
         Err(format!(
-            "{name}: refers to \"{}\", must refer only to files that the layout on disk refers to: add it there, with \
-             an editor",
+            "{name}: refers to \"{}\", must refer only to files that the layout on disk refers to: add the name there, \
+             with an editor",
             file.escape_debug()
         ))
     }
@@ -100,6 +109,11 @@ mod tests {
         let read = files.layout(&measured("x.csv"), "film").expect("a layout");
         assert!(read.states_errors_of_tiles());
         assert!(files.layout(&layout(""), "film").is_ok());
+        let mut both = files.clone();
+        assert!(both.add(&measured("secret.csv")) && !both.add("a = ["));
+        assert!(
+            both.layout(&measured("x.csv"), "film").is_ok() && both.layout(&measured("secret.csv"), "film").is_ok()
+        );
         let absolute = folder.path().join("x.csv").display().to_string();
         for other in ["secret.csv", "./x.csv", "X.csv", "../x.csv", "/etc/passwd", &absolute] {
             let refused = files.layout(&measured(other), "film").expect_err("another file");

@@ -205,7 +205,12 @@ impl OpenLayout {
     }
 
     fn improve(&mut self, steps: usize, observer: Observer) -> Result<Improved, String> {
-        let problem = DesignProblem::new(&self.layout).map_err(|error| error.to_string())?;
+        let mut layout = self.layout.clone();
+        // From this film alone: several starts would end at another step on each machine.
+        if let Some(brief) = &mut layout.brief {
+            brief.starts = 1;
+        }
+        let problem = DesignProblem::new(&layout).map_err(|error| error.to_string())?;
         let (seen, errors, observer) = (AtomicUsize::new(0), Mutex::new(Vec::new()), Mutex::new(observer));
         let stopped = |update: ProgressUpdate| {
             if let (Some(best), SearchStage::Starts) = (update.best, update.stage) {
@@ -222,7 +227,9 @@ impl OpenLayout {
         };
         let found = problem.search(&stopped).map_err(|error| error.to_string())?;
         let is_finished = !found.interrupted;
-        let layout = problem.designed_layout(&found, "magsplice page");
+        // The tiles and the sensors alone: bounds, texts and the history stay the user's.
+        let Layout { tiles, sensor, .. } = problem.designed_layout(&found, &self.name);
+        let layout = Layout { tiles, sensor, ..self.layout.clone() };
         let text = layout
             .to_edited_toml(TileForm::Compact, self.files.folder(), &self.name)
             .map_err(|error| error.to_string())?;
@@ -423,5 +430,43 @@ mirror = { axes = ["x", "y"] }
         assert!(error(&answer["ok"]["after"]) <= error(&answer["ok"]["before"]), "{answer}");
         let again = ask(&mut session, &serde_json::json!({ "improve": { "steps": 3 } }));
         assert!(error(&again["ok"]["after"]) < error(&answer["ok"]["before"]), "{again}");
+    }
+
+    /// A search keeps all of the user's text but the tiles, to its end and on each step of it.
+    #[test]
+    fn search_changes_tiles_alone() {
+        let mut session = opened("published-film");
+        let text = std::fs::read_to_string("../../layouts/published-film.toml").expect("readable");
+        let tables = &text[..text.find("[[lattice]]").expect("a lattice")];
+        let results: Vec<Value> =
+            (0..8).map(|_| ask(&mut session, &serde_json::json!({ "improve": { "steps": 5 } }))).collect();
+        for answer in &results {
+            let found = answer["ok"]["state"]["text"].as_str().expect("a text");
+            let comments =
+                |text: &str| text.lines().filter(|line| line.starts_with('#')).map(str::to_owned).collect::<Vec<_>>();
+            assert_eq!(comments(found), comments(&text));
+            assert!(found.contains(tables.lines().last().expect("a line")), "{found}");
+            for line in tables.lines().filter(|line| line.contains(" = ")) {
+                assert!(found.contains(line), "{line} is not in {found}");
+            }
+        }
+        // The same steps on each machine.
+        let mut again = opened("published-film");
+        let first = ask(&mut again, &serde_json::json!({ "improve": { "steps": 5 } }));
+        assert_eq!(first, results[0]);
+    }
+
+    /// Centres of a lattice are written without round-off.
+    #[test]
+    fn tiles_of_a_lattice_are_written_with_twelve_digits() {
+        let mut session = opened("published-film");
+        let edit = serde_json::json!({ "edit": { "tiles": [{ "tile": 0, "size_mm": [0.8, 3.3, 1.0] }] } });
+        assert_eq!(ask(&mut session, &edit), serde_json::json!({ "ok": [] }));
+        let kept = state_after(&mut session, &serde_json::json!("keep"));
+        let text = kept["text"].as_str().expect("a text");
+        assert_eq!(text.matches("[[tile]]").count(), 56);
+        let lengths = text.lines().filter(|line| line.starts_with("position_mm") || line.starts_with("size_mm"));
+        let longest = lengths.flat_map(|line| line.split(['[', ' ', ',', ']'])).map(str::len).max();
+        assert!(longest <= Some("position_mm".len()), "{text}");
     }
 }

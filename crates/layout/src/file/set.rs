@@ -13,7 +13,8 @@ use super::edit::set;
 pub struct TextEdit {
     /// Keys of tables and indices of lists, from the top of the file.
     pub path: Vec<PathStep>,
-    /// The value; `None` removes the key, and the tables that it leaves empty.
+    /// The value; `None` removes the key, and the tables that it leaves empty unless a comment
+    /// stands above them.
     pub value: Option<Value>,
 }
 
@@ -182,6 +183,10 @@ fn replace(own: &mut toml_edit::Value, mut value: toml_edit::Value) {
         }
         (old, new) if number(old).is_some() && number(old) == number(new) => {}
         _ => {
+            // A number with decimals keeps them: -6.0 beside -5.0.
+            if let (toml_edit::Value::Float(_), Some(new)) = (&*own, value.as_integer()) {
+                value = toml_edit::Value::from(new as f64);
+            }
             *value.decor_mut() = own.decor().clone();
             *own = value;
         }
@@ -196,7 +201,8 @@ fn list(item: &mut Item) -> Option<&mut toml_edit::Array> {
     item.as_value_mut()?.as_array_mut()
 }
 
-/// Removes a key, and the tables above that it leaves empty. Whether the item is empty then.
+/// Removes a key, and the tables above that it leaves empty. Whether the item is empty then, and may
+/// go.
 fn removed(item: &mut Item, path: &[PathStep]) -> bool {
     match path {
         [PathStep::Key(key)] => {
@@ -234,6 +240,10 @@ fn removed(item: &mut Item, path: &[PathStep]) -> bool {
     }
     match item {
         Item::ArrayOfTables(tables) => tables.is_empty(),
+        Item::Table(table) => {
+            let above = table.decor().prefix().and_then(|prefix| prefix.as_str()).unwrap_or_default();
+            table.is_empty() && !above.contains('#')
+        }
         _ => item.as_table_like().is_some_and(TableLike::is_empty),
     }
 }
@@ -256,11 +266,12 @@ mod tests {
         let text = "# top\n[volume]\nz_mm = [-5.0, # far\n  -3.0] # near\nstep_mm = 0.5 # fine\n";
         let moved = edited(text, "volume.z_mm", serde_json::json!([-4.5, -3.0]));
         assert_eq!(moved, text.replace("-5.0", "-4.5"));
-        assert_eq!(edited(text, "volume.z_mm.1", 2.into()), text.replace("-3.0", "2"));
+        assert_eq!(edited(text, "volume.z_mm.1", 2.into()), text.replace("-3.0", "2.0"));
         assert_eq!(edited(text, "volume.step_mm", 0.25.into()), text.replace("0.5", "0.25"));
         // A number that is as before keeps its form.
         assert_eq!(edited("a = 0.50 # x\n", "a", 0.5.into()), "a = 0.50 # x\n");
         assert_eq!(edited("a = 1\r\nb = 2\r\n", "b", 3.into()), "a = 1\r\nb = 3\r\n");
+        assert_eq!(edited("a = -5.0\n", "a", (-6).into()), "a = -6.0\n");
     }
 
     #[test]
@@ -282,6 +293,8 @@ mod tests {
         let with = edited(text, "tolerance.stray_field.any_direction_ut", 50.into());
         assert_eq!(with, format!("{text}\n[tolerance.stray_field]\nany_direction_ut = 50\n"));
         assert_eq!(edited(&with, "tolerance.stray_field.any_direction_ut", Value::Null), text);
+        let commented = "# Ours.\n[sensor]\npart = \"TLV493D\"\n";
+        assert_eq!(edited(commented, "sensor.part", Value::Null), "# Ours.\n[sensor]\n");
         let with = edited(text, "plane.0.normal", serde_json::json!([0, 0, -1]));
         assert_eq!(with, format!("{text}\n[[plane]]\nnormal = [0, 0, -1]\n"));
         assert_eq!(edited(&with, "plane.0", Value::Null), text);

@@ -49,7 +49,7 @@ pub(super) struct LayoutFile {
     /// The path as the user named it.
     path: PathBuf,
     latest: watch::Sender<Latest>,
-    /// The files that the file refers to, of its last text that is TOML, with the hash of the text.
+    /// The files that the file has referred to, with the hash of its last text that is TOML.
     readable: Mutex<(String, ReadableFiles)>,
     /// Held while the file is read or written and its state is published, so that states appear in
     /// their order.
@@ -115,15 +115,15 @@ impl LayoutFile {
         }
     }
 
-    /// The files beside it that a session may read: those to which the text on disk refers, or the
-    /// last text on disk that was TOML.
+    /// The files beside it that a session may read: those to which the texts on disk have referred
+    /// since the program began. Without earlier ones a page could not go back to its first text.
     pub(super) fn readable_files(&self) -> ReadableFiles {
         let mut known = self.readable.lock().unwrap_or_else(PoisonError::into_inner);
         if let Ok(Contents { text, sha256 }) = &**self.latest.borrow()
             && known.0 != *sha256
-            && let Some(files) = ReadableFiles::new(folder_of(&self.path), text)
+            && known.1.add(text)
         {
-            *known = (sha256.clone(), files);
+            known.0.clone_from(sha256);
         }
         known.1.clone()
     }
