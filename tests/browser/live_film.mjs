@@ -73,6 +73,7 @@ export async function changeFilm(page) {
   assert.equal(begun["displacement RMSE x"], "0.242179");
   const list = page.getByRole("listbox", { name: "Tiles" });
   const lock = page.getByLabel("keep the symmetry");
+  const cause = (name) => page.locator(".causes li", { hasText: name });
   const reset = async () => {
     await press(page, "Reset");
     assert.deepEqual(await numbers(page), begun);
@@ -146,41 +147,66 @@ export async function changeFilm(page) {
   await lock.check();
   await reset();
 
-  // An impossible number is refused with its rule.
-  await list.focus();
-  await page.keyboard.press("Home");
+  // An impossible number is refused with its rule, and the field has the old one again.
+  await tile.click();
   await field(page, "side x, mm").fill("-1");
   await page.keyboard.press("Tab");
   await settled(page);
-  assert.match(await page.textContent("#message"), /side|size/);
+  assert.match(await page.textContent("#message"), /size\[0\] = -1/);
+  assert.equal(await field(page, "side x, mm").inputValue(), "3.3");
+  // A typed number of a tile on the diagonal is taken as it is; a turn is refused.
+  await field(page, "side x, mm").fill("3");
+  await page.keyboard.press("Tab");
+  await settled(page);
+  assert.deepEqual([await field(page, "side x, mm").inputValue(), await field(page, "side y, mm").inputValue()], ["3", "3"]);
+  assert.match(await page.textContent("#message"), /The lattice is written as 56 tiles/);
+  await field(page, "direction, degrees").fill("10");
+  await page.keyboard.press("Tab");
+  await settled(page);
+  assert.match(await page.textContent("#message"), /symmetry of the film fixes/);
+  assert.equal(await field(page, "strength, T").inputValue(), "0.12");
+  await reset();
+
+  // A cut line is typed.
+  await page.getByLabel("Cut line", { exact: true }).selectOption({ index: 1 });
+  await page.getByLabel("place of the cut line, mm").fill("-5.5");
+  await page.keyboard.press("Tab");
+  await settled(page);
+  assert.match(await page.getByLabel("Cut line", { exact: true }).locator("option").nth(1).textContent(), /x = \u22125.5 mm/);
+  assert.notDeepEqual(await numbers(page), begun);
+  await reset();
+
+  // A change of temperature needs no other number.
+  await page.getByRole("checkbox", { name: "change of temperature" }).check();
+  await cause("temperature").waitFor();
+  assert.equal(await page.textContent("#message"), "");
   await reset();
 
   // Sensor and surroundings: a second sensor rejects a stray field.
   await page.getByLabel("errors of the tiles").selectOption("workshop");
-  await page.getByRole("checkbox", { name: "stray field that comes later" }).check();
-  const cause = (name) => page.locator(".causes li", { hasText: name });
+  await page.getByRole("checkbox", { name: "uniform stray field after the first reading" }).check();
   await cause("stray field").waitFor();
   const total = async () => Number((await page.textContent(".total")).split(" ")[0]);
   await page.waitForFunction(() => /mm RMS/.test(document.querySelector(".total").textContent));
   const withOne = await total();
   await page.getByLabel("sensors", { exact: true }).selectOption("pair-z");
-  await cause("stray field").waitFor({ state: "detached" });
+  await page.locator(".causes li", { hasText: /stray field\s*0 mm/ }).waitFor();
   assert.ok((await total()) < withOne);
-  await page.getByRole("slider", { name: "distance of the sensor below the film" }).fill("4");
+  await page.getByRole("slider", { name: "least distance of the sensor below the film" }).fill("4");
   await settled(page);
-  assert.equal(await page.getByRole("spinbutton", { name: "distance of the sensor below the film, mm" }).inputValue(), "4");
-  await press(page, "Make 200 films");
+  assert.equal(await page.getByRole("spinbutton", { name: "least distance of the sensor below the film, mm" }).inputValue(), "4");
+  await press(page, "Simulate 200 films");
   await page.locator(".made p", { hasText: "200 films" }).waitFor({ timeout: 60000 });
 
   // Two states are compared.
-  await press(page, "Pin for comparison");
-  await page.getByRole("slider", { name: "distance of the sensor below the film" }).fill("3.5");
+  await press(page, "Pin this film");
+  await page.getByRole("slider", { name: "least distance of the sensor below the film" }).fill("3.5");
   await settled(page);
   const nearer = await numbers(page);
   assert.match(await page.textContent(".results"), /[+\u2212]0\.0/);
-  await press(page, "Exchange with the pinned");
+  await press(page, "Swap with the pinned film");
   assert.notDeepEqual(await numbers(page), nearer);
-  await press(page, "Exchange with the pinned");
+  await press(page, "Swap with the pinned film");
   assert.deepEqual(await numbers(page), nearer);
   await press(page, "Unpin");
 
@@ -198,7 +224,7 @@ export async function changeFilm(page) {
 
   // A search that is stopped keeps its best film.
   await page.getByRole("button", { name: "Improve" }).click();
-  await page.waitForFunction(() => /error .* \(\d+ rounds?\)/.test(document.querySelector(".search").textContent), null, { timeout: 60000 });
+  await page.waitForFunction(() => /error of the goal .* \(\d+ rounds?\)/.test(document.querySelector(".search").textContent), null, { timeout: 60000 });
   await page.getByRole("button", { name: "Stop" }).click();
   await page.waitForFunction((old) => document.querySelector("[data-number='displacement RMSE x'] .value").textContent !== old, begun["displacement RMSE x"]);
   assert.ok(Number((await numbers(page))["displacement RMSE x"]) < 0.2);

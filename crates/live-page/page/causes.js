@@ -1,6 +1,6 @@
 // The error of the sensor in use, by cause, and the films that a workshop makes.
 
-import { difference, element, number, set, short } from "#format";
+import { NO_CHANGE, difference, element, number, set, short } from "#format";
 import { Background } from "#background";
 
 // Exact samples that check the first order of the budget.
@@ -8,14 +8,16 @@ const CHECKING_SAMPLES = 20;
 // Films that *Made* evaluates, and films of a step, after which the page shows them.
 const [FILMS, STEP] = [200, 20];
 const BINS = 24;
+const SIMULATE = `Simulate ${FILMS} films`;
 
 /** @typedef {{ name: string, squares: number, rms_mm: number }} CauseRow */
+/** @typedef {{ total_mm: number, rows: CauseRow[], isFirstOrder?: boolean }} Causes */
 
 // A share of the total below this is round-off: a head rejects a stray field to the last digit.
 const ROUND_OFF = 1e-12;
 
 /** The causes of a budget, the largest first: mean squares along all axes together.
- * @param {any} budget @returns {{ total_mm: number, rows: CauseRow[] }} */
+ * @param {any} budget @returns {Causes} */
 export function causesOf(budget) {
   const sum = (/** @type {any} */ of) => of.x + of.y + of.z;
   const rows = budget.parts.map((/** @type {any} */ part) => {
@@ -24,21 +26,23 @@ export function causesOf(budget) {
   });
   rows.sort((/** @type {CauseRow} */ a, /** @type {CauseRow} */ b) => b.squares - a.squares);
   const total = Math.max(0, sum(budget.total_mm2));
-  return { total_mm: Math.sqrt(total), rows: rows.filter((/** @type {CauseRow} */ row) => Math.abs(row.squares) > ROUND_OFF * total) };
+  for (const row of rows) if (Math.abs(row.squares) <= ROUND_OFF * total) [row.squares, row.rms_mm] = [0, 0];
+  return { total_mm: Math.sqrt(total), rows };
 }
 
 /** @param {import("#model").Model} model @param {HTMLElement} place @param {() => import("#engine").Engine} newEngine */
 export function showCauses(model, place, newEngine) {
-  const title = element("h2", {}, "Error in use, by cause");
+  const title = element("h2", {}, "In use: the error by cause");
   const total = element("p", { class: "total", role: "status" });
   const list = element("ol", { class: "causes", "aria-label": "Causes of the displacement error" });
-  const button = element("button", { type: "button", onclick: () => made() }, `Make ${FILMS} films`);
+  const button = element("button", { type: "button", onclick: () => made() }, SIMULATE);
   const films = element("div", { class: "made", role: "status" });
-  place.append(title, total, list, button, films);
+  const note = element("p", { class: "hint" });
+  place.append(title, total, list, note, button, films);
   const [background, making] = [new Background(newEngine), new Background(newEngine)];
-  /** @type {{ total_mm: number, rows: CauseRow[] } | null} */
+  /** @type {Causes | null} */
   let before = null;
-  /** @type {{ total_mm: number, rows: CauseRow[] } | null} */
+  /** @type {Causes | null} */
   let now = null;
 
   const layout = () => ({ text: model.state?.text ?? "", name: model.name });
@@ -51,14 +55,15 @@ export function showCauses(model, place, newEngine) {
       background.stop();
       [before, now] = [null, null];
       list.replaceChildren();
-      total.textContent = "The layout states no errors. Switch on errors of tiles, a stray field or iron below, and each cause is shown here with its part.";
+      note.textContent = "";
+      total.textContent = "No disturbances are set. Choose errors of the tiles, a stray field or iron at *Sensor and surroundings*: each is then shown here with its part of the error.";
       return;
     }
     const own = model.state.text;
     try {
       const budget = await background.run(layout(), (engine) => engine.ask({ budget: { samples: CHECKING_SAMPLES } }));
       if (own !== model.state?.text) return;
-      [before, now] = [now, causesOf(budget)];
+      [before, now] = [now, { ...causesOf(budget), isFirstOrder: budget.is_first_order }];
       show();
     } catch (error) {
       if (own !== model.state?.text) return;
@@ -70,20 +75,25 @@ export function showCauses(model, place, newEngine) {
   function show() {
     if (!now) return;
     const known = before;
-    const change = known ? ` (${difference(now.total_mm - known.total_mm)} mm)` : "";
+    const by_mm = known ? now.total_mm - known.total_mm : 0;
+    const change = by_mm && difference(by_mm) !== NO_CHANGE ? ` (${difference(by_mm)} mm by the last change)` : "";
     total.textContent = `${number(now.total_mm)} mm RMS along x, y, z together${change}`;
+    const noise = model.evaluated?.resolution_mm;
+    const beside = noise ? ` The noise of one reading adds ${short(Math.hypot(...noise), 3)} mm.` : "";
+    const large = now.isFirstOrder ? "" : " The disturbances are so large that their parts do not add up: they come from a few samples.";
+    note.textContent = `Bars: shares of the squared error.${beside}${large}`;
     const most = Math.max(...now.rows.map((row) => row.squares), 1e-300);
     list.replaceChildren(
       ...now.rows.map((row) => {
         const old = known?.rows.find(({ name }) => name === row.name);
-        const by = known ? difference(row.rms_mm - (old?.rms_mm ?? 0)) : "";
+        const by = known ? difference(row.rms_mm - (old?.rms_mm ?? 0)).replace(NO_CHANGE, "") : "";
         const share = (row.squares / most) * 100;
         return element(
           "li",
           {},
           element("span", { class: "name" }, row.name),
           element("span", { class: "bar" }, element("span", { style: `width:${Math.max(0, share).toFixed(1)}%` })),
-          element("span", { class: "value" }, row.squares < 0 ? `compensates ${short(-row.rms_mm, 3)} mm` : `${short(row.rms_mm, 3)} mm`),
+          element("span", { class: "value" }, row.squares < 0 ? `reduces by ${short(-row.rms_mm, 3)} mm` : row.squares === 0 ? "0 mm" : `${short(row.rms_mm, 3)} mm`),
           element("span", { class: "change" }, by),
         );
       }),
@@ -106,7 +116,7 @@ export function showCauses(model, place, newEngine) {
       const { message } = /** @type {Error} */ (error);
       if (message !== "stopped") films.replaceChildren(element("p", { class: "message" }, message));
     }
-    button.textContent = `Make ${FILMS} films`;
+    button.textContent = SIMULATE;
   }
 
   /** @param {any} answer */
@@ -120,7 +130,7 @@ export function showCauses(model, place, newEngine) {
     const percentile = (/** @type {any} */ of) => short(of.p95.value, 3);
     const axes = ["x", "y", "z"].map((axis) => `${axis} ${percentile(answer.displacement_rmse_mm[axis])}`).join(", ");
     films.replaceChildren(
-      element("p", {}, `${answer.samples} films as made: displacement RMSE of 95 % of them at most ${percentile(answer.displacement_mm)} mm together; ${axes} mm.`),
+      element("p", {}, `${answer.samples} films, each with the disturbances above: 95 % of them have a displacement RMSE of at most ${percentile(answer.displacement_mm)} mm (${axes} mm).`),
       element("div", { class: "histogram", role: "img", "aria-label": `Displacement RMSE of the films, from ${short(low, 3)} to ${short(high, 3)} mm` }, ...bars),
       element("p", { class: "range" }, element("span", {}, `${short(low, 3)} mm`), element("span", {}, `${short(high, 3)} mm`)),
     );

@@ -3,14 +3,14 @@
 import { ticks } from "#axis";
 import { drawing, element, set, short } from "#format";
 
-const [WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM] = [230, 170, 48, 8, 22, 34];
+const [WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM] = [230, 170, 48, 14, 22, 34];
 const UM_PER_MM = 1e3;
 
 /** @param {import("#model").Model} model @param {HTMLElement} place */
 export function showCurves(model, place) {
   const panels = ["x", "y", "z"].map((axis, index) => panel(axis, ["R_x", "R_y", "S_z"][index]));
   const row = element("div", { class: "curves" }, ...panels.map(({ svg }) => svg));
-  const hint = element("p", { class: "hint" }, "The displacement that a parameter shows, minus the true one. Line: mean over the two other axes. Blue band: least to most. Green: bounds of [expect]. Dashed: before.");
+  const hint = element("p", { class: "hint" }, "Error of the displacement that R_x, R_y and S_z show, along their axes. Line: mean over the two other axes; blue: least to most; green: bound of [expect] for the RMS; dashed: before.");
   place.append(row, hint);
   model.listeners.push(() => {
     set(row, { hidden: !model.evaluated });
@@ -35,7 +35,9 @@ function panel(axis, parameter) {
   const frame = drawing("rect", { class: "frame", x: LEFT, y: TOP, width: WIDTH - LEFT - RIGHT, height: HEIGHT - TOP - BOTTOM });
   const axes = drawing("g", { class: "ticks" });
   const title = drawing("text", { x: LEFT, y: 14, class: "title" });
-  svg.append(bound, band, zero, old, mean, frame, axes, title);
+  const clip = `inside-${axis}`;
+  svg.append(drawing("clipPath", { id: clip }, drawing("rect", { x: LEFT, y: TOP, width: WIDTH - LEFT - RIGHT, height: HEIGHT - TOP - BOTTOM })));
+  svg.append(drawing("g", { "clip-path": `url(#${clip})` }, bound, band, zero, old, mean), frame, axes, title);
 
   /** @typedef {{ at_mm: number, mean: number, least: number, most: number }} Plane */
   /** @param {Plane[]} planes @param {Plane[] | undefined} before @param {number | undefined} bound_mm */

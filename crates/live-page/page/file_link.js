@@ -45,9 +45,9 @@ export async function linkFile(model, place, delivered) {
     const dialog = element("dialog", { "aria-labelledby": "conflict" });
     const choose = (/** @type {string} */ value, /** @type {string} */ text) => element("button", { type: "button", onclick: () => dialog.close(value) }, text);
     dialog.append(
-      element("h2", { id: "conflict" }, "The file has changed on both sides"),
-      element("p", {}, `${model.name} was changed elsewhere while this page has changes of its own.`),
-      element("div", { class: "buttons" }, choose("page", "Write the film of this page"), choose("file", "Take the file")),
+      element("h2", { id: "conflict" }, broken === null ? "The file has changed on both sides" : "The file is broken"),
+      element("p", {}, broken === null ? `${model.name} was changed elsewhere while this page has changes of its own.` : `${model.name} was changed elsewhere and breaks a rule. Writing the film of this page replaces that text.`),
+      element("div", { class: "buttons" }, choose("file", "Take the file"), choose("page", "Write the film of this page")),
     );
     document.body.append(dialog);
     dialog.showModal();
@@ -57,8 +57,10 @@ export async function linkFile(model, place, delivered) {
     if (choice === "page" && model.state) {
       base = file.sha256;
       await write(model.state.text);
-    } else {
+    } else if (choice === "file") {
       await take(file);
+    } else {
+      tell(`the film of this page is not in ${model.name}`, true);
     }
   }
 
@@ -84,7 +86,7 @@ export async function linkFile(model, place, delivered) {
     await (isOwn ? decide(file) : take(file));
   });
   events.addEventListener("error", () => tell("the program does not answer: start `magsplice studio` again", true));
-  events.addEventListener("open", () => tell(base ? `as in ${model.name}` : ""));
+  events.addEventListener("open", () => tell(`Every change is saved in ${model.name} at once; Undo takes it back.`));
 
   const response = await fetch("file");
   const file = await response.json();

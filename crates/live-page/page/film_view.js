@@ -2,7 +2,8 @@
 
 import { directionColour } from "#colours";
 import { drawing, element, rounded, set, short, snapped } from "#format";
-import { editedImages, isAligned, orbit } from "#symmetry";
+import { ticks } from "#axis";
+import { FIXED_BY_SYMMETRY, editedImages, isAligned, orbit } from "#symmetry";
 
 /** @typedef {import("#model").Model} Model */
 /** @typedef {import("#symmetry").Tile} Tile */
@@ -30,6 +31,14 @@ export function outline({ position_mm, size_mm, axes }) {
     return hull.slice(0, -1);
   };
   return [...half(corners), ...half(corners.reverse())];
+}
+
+/** A tile in one line. @param {Tile} tile */
+function describe(tile) {
+  const j = filmPolarization(tile);
+  const three = (/** @type {number[]} */ v) => v.map((c) => short(c, 6)).join(", ");
+  const direction = short((Math.atan2(j[1], j[0]) * 180) / Math.PI, 4);
+  return `${tile.name}: centre (${three(tile.position_mm)}) mm, sides ${three(tile.size_mm)} mm, J at ${direction} degrees`;
 }
 
 /** The cut lines of a lattice along one axis: their coordinates, and which widths are beside them.
@@ -72,11 +81,13 @@ export function cutEdit(document, index, axis, { section, before }, by_mm, isSym
 export function showFilm(model, place) {
   const svg = drawing("svg", { class: "film", role: "img", "aria-label": "The film from above; the list of tiles below has the same for the keyboard" });
   const flip = drawing("g", { transform: "scale(1 -1)" });
+  const axes = drawing("g", { class: "axes" });
   const layers = Object.fromEntries(["tiles", "cuts", "volume", "sensors", "handles"].map((name) => [name, drawing("g", { class: name })]));
   flip.append(...Object.values(layers));
-  svg.append(flip);
+  svg.append(axes, flip);
+  const readout = element("output", { class: "readout" });
   const hint = element("p", { class: "hint" });
-  place.append(svg, hint);
+  place.append(svg, readout, hint);
 
   /** @type {{ tile: Tile | null, group: any, shape: any, arrow: any, mark: any }[]} */
   let drawn = [];
@@ -99,6 +110,7 @@ export function showFilm(model, place) {
     const target = /** @type {Element} */ (event.currentTarget);
     const captured = event.pointerId;
     svg.setPointerCapture(captured);
+    readout.textContent = "";
     let hasMoved = false;
     const move = (/** @type {PointerEvent} */ moved) => {
       const to = at(moved);
@@ -128,8 +140,10 @@ export function showFilm(model, place) {
     const images = orbit(model.tiles, index, model.symmetry);
     return (/** @type {number[]} */ by, /** @type {boolean} */ isFree) => {
       const { position_mm, size_mm, polarization_t } = of;
-      const shape = changed(of, by, isFree);
-      return shape && { tiles: editedImages(images, { position_mm, size_mm, polarization_t, ...shape }) };
+      const tiles = editedImages(images, of, { position_mm, size_mm, polarization_t, ...changed(of, by, isFree) });
+      if (tiles.length > 0) return { tiles };
+      model.say(FIXED_BY_SYMMETRY);
+      return null;
     };
   };
   const moved = (/** @type {Tile} */ of, /** @type {number[]} */ by, /** @type {boolean} */ isFree) => ({
@@ -274,9 +288,11 @@ export function showFilm(model, place) {
           const { document } = state;
           const isSymmetric = model.symmetry !== "none";
           grip.addEventListener("pointerdown", (/** @type {PointerEvent} */ event) =>
-            drag(event, (by, isFree) => ({
-              edits: [cutEdit(document, index, axis, line, snap(line.at_mm + by[axis], isFree) - line.at_mm, isSymmetric)],
-            })),
+            drag(event, (by, isFree) => {
+              const to = snap(line.at_mm + by[axis], isFree);
+              readout.textContent = `cut at ${"xy"[axis]} = ${short(to, 6)} mm`;
+              return { edits: [cutEdit(document, index, axis, line, to - line.at_mm, isSymmetric)] };
+            }),
           );
           layers.cuts.append(grip);
         }
@@ -319,6 +335,14 @@ export function showFilm(model, place) {
     set(svg, { viewBox: `${low[0] - margin} ${-high[1] - margin} ${width} ${height}` });
     // Millimetres of a pixel.
     unit = Math.max(width / (svg.clientWidth || 500), height / (svg.clientHeight || 500));
+    const text = (/** @type {number} */ x, /** @type {number} */ y, /** @type {string} */ content, /** @type {string} */ anchor) =>
+      drawing("text", { x, y, "text-anchor": anchor, "font-size": 11 * unit }, content);
+    const [left, bottom] = [low[0] - margin + 3 * unit, -low[1] + margin - 4 * unit];
+    axes.replaceChildren(
+      ...ticks(low[0], high[0], 6).map((x) => text(x, bottom, `${short(x)}`, "middle")),
+      ...ticks(low[1], high[1], 6).map((y) => text(left, -y + 4 * unit, `${short(y)}`, "start")),
+      text(high[0] + margin - 3 * unit, bottom, "mm", "end"),
+    );
   }
 
   model.listeners.push(() => {
@@ -332,8 +356,12 @@ export function showFilm(model, place) {
     shownState = model.state;
     drawHandles();
     const symmetry = model.state.brief?.symmetry ?? "none";
-    const together = symmetry !== "none" && model.isSymmetric ? ` Images under the ${symmetry} symmetry of [design] move together.` : "";
-    hint.textContent = `Drag a tile, a corner, the tip of an arrow, a triangle of a cut line or a sensor. Steps of ${short(model.step_mm)} mm; Alt drags freely.${together}`;
+    const together = symmetry !== "none" && model.isSymmetric ? ` The film has ${symmetry} symmetry: the images of a tile move with it.` : "";
+    const tile = model.gesture && model.selected !== null ? model.tiles[model.selected] : null;
+    if (tile && drawn[model.selected ?? 0]?.tile === tile && model.gesture?.origin !== model.tiles) readout.textContent = describe(tile);
+    const sensor = layers.sensors.querySelector(".movable") ? ", a sensor" : "";
+    const cut = layers.cuts.firstChild ? ", the triangle of a cut line" : "";
+    hint.textContent = `Drag a tile, a corner, the tip of an arrow${cut}${sensor}. Dashed: range of the displacement; dark squares: sensors. Steps of ${short(model.step_mm)} mm; Alt drags freely.${together}`;
   });
   svg.addEventListener("pointerdown", (/** @type {PointerEvent} */ event) => {
     if (event.target === svg) model.select(null);

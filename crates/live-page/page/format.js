@@ -16,9 +16,11 @@ export function short(value, digits = 4) {
   return String(Number(value.toPrecision(digits)) + 0).replace("-", MINUS);
 }
 
+export const NO_CHANGE = "no change";
+
 /** A difference with its sign; "no change" below a millionth. @param {number} value @returns {string} */
 export function difference(value) {
-  if (Math.abs(value) < 5e-7) return "no change";
+  if (Math.abs(value) < 5e-7) return NO_CHANGE;
   return (value > 0 ? "+" : "") + short(value, 3);
 }
 

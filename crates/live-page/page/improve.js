@@ -17,13 +17,13 @@ export function showImprove(model, place, newEngine) {
   place.append(button, curve, status);
   set(curve, { hidden: true });
 
-  /** @param {number[]} errors */
-  function show(errors) {
+  /** @param {number[]} errors @param {string} unit */
+  function show(errors, unit) {
     const [high, low] = [Math.max(...errors), Math.min(...errors)];
     const points = errors.map((error, i) => `${(2 + (116 * i) / Math.max(1, errors.length - 1)).toFixed(1)} ${(22 - (20 * (error - low)) / (high - low || 1)).toFixed(1)}`);
     set(/** @type {Element} */ (curve.firstChild), { d: `M${points.join("L")}` });
     set(curve, { hidden: false, "aria-label": `Error of the search: from ${short(high)} to ${short(low)}` });
-    status.textContent = `error ${short(errors[0])} \u2192 ${short(errors[errors.length - 1])} (${errors.length - 1} rounds)`;
+    status.textContent = `error of the goal ${short(errors[0])} \u2192 ${short(errors[errors.length - 1])}${unit} (${errors.length - 1} rounds)`;
   }
 
   async function improve() {
@@ -31,6 +31,9 @@ export function showImprove(model, place, newEngine) {
     if (!model.state) return;
     const begun = model.state.text;
     button.textContent = "Stop";
+    // What the film found is compared with.
+    if (!model.pinned) model.pin();
+    const unit = model.state.brief?.goal === "displacement" ? " mm" : "";
     /** @type {string | null} */
     let best = null;
     /** @type {number[]} */
@@ -47,7 +50,7 @@ export function showImprove(model, place, newEngine) {
           if (found.after !== null && found.after < last) {
             errors.push(found.after);
             best = found.state.text;
-            show(errors);
+            show(errors, unit);
           }
         }
       });
@@ -60,7 +63,6 @@ export function showImprove(model, place, newEngine) {
     } else if (model.state.text !== begun) {
       status.textContent = "The layout changed during the search: its film is not taken.";
     } else {
-      model.before = model.evaluated;
       await model.open(best);
     }
   }

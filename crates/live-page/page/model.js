@@ -174,10 +174,14 @@ export class Model {
       await this.#evaluate(false);
       this.message = "Tiles overlapped: the change is not kept.";
     } else {
+      const hadLattice = Boolean(this.state.document?.lattice);
       const isKept = await this.#try(async () => this.#take(await this.engine.ask("keep")));
       if (!isKept) await this.#try(async () => this.#take(await this.engine.ask({ open: { text: this.state?.text, name: this.name } })));
       await this.#evaluate(false);
       this.#remember();
+      if (isKept && hadLattice && !this.state.document?.lattice) {
+        this.message = `The lattice is written as ${this.tiles.length} tiles now, and its cut lines are gone. Undo restores it.`;
+      }
     }
     this.show();
     this.#rest();

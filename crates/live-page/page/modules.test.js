@@ -37,7 +37,7 @@ test("operations map a film onto itself", () => {
   });
   const images = orbit(eight, 5, "four-fold");
   assert.equal(new Set(images.map(({ tile: of }) => of)).size, 8);
-  const edits = editedImages(images, { ...eight[5], position_mm: eight[5].position_mm.map((c, i) => (i === 0 ? c * 1.1 : c)) });
+  const edits = editedImages(images, eight[5], { ...eight[5], position_mm: eight[5].position_mm.map((c, i) => (i === 0 ? c * 1.1 : c)) });
   edits.forEach((edit) => Object.assign(eight[edit.tile], edit));
   assert.equal(new Set(orbit(eight, 0, "four-fold").map(({ tile: of }) => of)).size, 8, "the symmetry is kept");
   // Without an image, or without the symmetry, a tile moves alone.
@@ -47,9 +47,27 @@ test("operations map a film onto itself", () => {
 
 test("a tile on a mirror stays on it", () => {
   const pair = [tile("a", [0, 3, 0.5], [2, 1, 1], [0, 0.1, 0]), tile("b", [0, -3, 0.5], [2, 1, 1], [0, -0.1, 0])];
-  const edits = editedImages(orbit(pair, 0, "mirror"), { ...pair[0], position_mm: [0.4, 3.2, 0.5], polarization_t: [0.05, 0.1, 0] });
-  assert.deepEqual(edits.map(({ position_mm }) => position_mm), [[0, 3.2, 0.5], [0, -3.2, 0.5]]);
-  assert.deepEqual(edits.map(({ polarization_t }) => polarization_t), [[0, 0.1, 0], [0, -0.1, 0]]);
+  const edited = (shape, isTyped) => editedImages(orbit(pair, 0, "mirror"), pair[0], { ...pair[0], ...shape }, isTyped);
+  for (const isTyped of [false, true]) {
+    assert.deepEqual(edited({ position_mm: [0.4, 3.2, 0.5] }, isTyped).map(({ position_mm }) => position_mm), [[0, 3.2, 0.5], [0, -3.2, 0.5]]);
+    assert.deepEqual(edited({ size_mm: [3, 1, 1] }, isTyped).map(({ size_mm }) => size_mm), [[3, 1, 1], [3, 1, 1]]);
+    // Nothing is left of a motion across the mirror, or of a turn.
+    assert.deepEqual(edited({ position_mm: [0.4, 3, 0.5] }, isTyped), []);
+    assert.deepEqual(edited({ polarization_t: [0.1, 0, 0] }, isTyped), []);
+    const stronger = edited({ polarization_t: [0, 0.2, 0] }, isTyped).map(({ polarization_t }) => polarization_t);
+    assert.deepEqual(stronger, [[0, 0.2, 0], [0, -0.2, 0]]);
+  }
+});
+
+test("a typed number of a tile on a diagonal is taken as it is", () => {
+  const four = [[1, 1], [-1, 1], [1, -1], [-1, -1]].map(([a, b], i) => tile(String(i), [2 * a, 2 * b, 0.5], [3, 3, 1], [0.1 * a, 0.1 * b, 0]));
+  const edited = (shape, isTyped) => editedImages(orbit(four, 0, "four-fold"), four[0], { ...four[0], ...shape }, isTyped)[0];
+  assert.deepEqual(edited({ size_mm: [2.5, 3, 1] }, true).size_mm, [2.5, 2.5, 1]);
+  assert.deepEqual(edited({ size_mm: [-1, 3, 1] }, true).size_mm, [-1, -1, 1]);
+  assert.deepEqual(edited({ position_mm: [2.25, 2, 0.5] }, true).position_mm, [2.25, 2.25, 0.5]);
+  assert.deepEqual(edited({ position_mm: [2, 2, 0.75] }, true).position_mm, [2, 2, 0.75]);
+  // A pointer moves it along the diagonal.
+  assert.deepEqual(edited({ position_mm: [2.5, 2.25, 0.5] }, false).position_mm, [2.375, 2.375, 0.5]);
 });
 
 test("a cut line moves with its mirror image, and widths keep their sum", () => {
@@ -105,7 +123,7 @@ test("causes are sorted, and their squares add up", () => {
   const budget = { total_mm2: { x: 4, y: 4, z: 1 }, parts: [part("a", 1, 0, 0), part("b", 3, 4, 2), part("c", 0, 0, -1), part("d", 0, 0, 0)] };
   const { total_mm, rows } = causesOf(budget);
   assert.equal(total_mm, 3);
-  assert.deepEqual(rows.map(({ name, rms_mm }) => [name, rms_mm]), [["b", 3], ["a", 1], ["c", -1]]);
+  assert.deepEqual(rows.map(({ name, rms_mm }) => [name, rms_mm]), [["b", 3], ["a", 1], ["d", 0], ["c", -1]]);
 });
 
 test("a stray field is read in each of its forms", () => {

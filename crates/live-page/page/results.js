@@ -1,6 +1,6 @@
 // The numbers of the film, each with its difference from the state before, and the expectations.
 
-import { difference, element, number, set, short } from "#format";
+import { NO_CHANGE, difference, element, number, set, short } from "#format";
 
 /** @typedef {import("#model").Model} Model */
 
@@ -49,11 +49,13 @@ export function showResults(model, place) {
   });
   const table = element("table", { class: "results" }, element("caption", { class: "hidden" }, "Numbers of the film, with the difference from before"), body);
   const expectations = element("ul", { class: "expectations", "aria-label": "Expectations of the layout" });
-  place.append(status, reason, table, expectations);
+  const hint = element("p", { class: "hint" });
+  place.append(element("h2", {}, "The film as drawn, without disturbances"), status, reason, table, hint, expectations);
 
   model.listeners.push(() => {
     const { evaluated, before } = model;
     set(table, { hidden: !evaluated });
+    hint.textContent = !evaluated || !before || before === evaluated ? "" : `Small numbers: difference from ${model.pinned ? "the pinned film" : "the state before the last change"}.`;
     reason.textContent = evaluated ? "" : model.unevaluated;
     set(reason, { hidden: Boolean(evaluated) });
     expectations.replaceChildren();
@@ -64,8 +66,8 @@ export function showResults(model, place) {
       value.textContent = number(now);
       beside.textContent = note?.(evaluated) ?? "";
       const old = before && of(before);
-      const by = typeof now === "number" && typeof old === "number" ? now - old : 0;
-      change.textContent = before && before !== evaluated ? difference(by) : "";
+      const isBoth = typeof now === "number" && typeof old === "number";
+      change.textContent = before && before !== evaluated ? (isBoth ? difference(now - old) : now === old ? NO_CHANGE : `was ${number(old)}`) : "";
     }
     const checked = evaluated.expectations.filter((/** @type {any} */ one) => one.value !== null);
     const failed = checked.filter((/** @type {any} */ one) => one.status !== "ok").length;

@@ -2,6 +2,7 @@
 
 import { showCauses } from "#causes";
 import { showCurves } from "#curves";
+import { showCutList } from "#cut_list";
 import { moduleEngine, serverEngine, unpackedModule, workerEngine } from "#engine";
 import { linkFile } from "#file_link";
 import { showFilm } from "#film_view";
@@ -44,6 +45,7 @@ async function start() {
   showCauses(model, part("causes"), newEngine);
   showSurroundings(model, part("surroundings"));
   showTileList(model, part("tiles"));
+  showCutList(model, part("tiles"));
   showMap(model, part("map"));
 
   const linked = await textIn(location.hash);

@@ -4,6 +4,9 @@
 /** @typedef {{ name: string, position_mm: number[], size_mm: number[], polarization_t: number[], axes: number[][], is_strip: boolean }} Tile */
 /** @typedef {{ position_mm: number[], size_mm: number[], polarization_t: number[] }} Shape */
 
+/** What is said where the symmetry leaves nothing of a change. */
+export const FIXED_BY_SYMMETRY = "The symmetry of the film fixes this number: switch off *keep the symmetry* to change one tile alone.";
+
 // Images agree to a millionth of their size, as in the search for films.
 const SAME_TILE = 1e-6;
 const SIGNS = /** @type {[number, number][]} */ ([[1, 1], [-1, 1], [1, -1], [-1, -1]]);
@@ -29,6 +32,9 @@ function imageOfShape(operation, shape) {
     polarization_t: image(operation, shape.polarization_t),
   };
 }
+
+/** @param {Shape} a @param {Shape} b */
+const isSame = (a, b) => /** @type {(keyof Shape)[]} */ (["position_mm", "size_mm", "polarization_t"]).every((key) => close(a[key], b[key], 1e-12));
 
 /** @param {number[]} a @param {number[]} b @param {number} slack */
 const close = (a, b, slack) => a.every((value, i) => Math.abs(value - b[i]) <= slack);
@@ -59,14 +65,27 @@ export function orbit(tiles, index, symmetry) {
   return found.some(({ tile }) => tile < 0) ? alone : found;
 }
 
-/** The new shapes of all images of a tile. A tile that is its own image keeps that property.
- * @param {{ tile: number, operation: Operation }[]} images @param {Shape} shape
+/** The new shapes of all images of a tile, which had the shape `before`. A tile that is its own image
+ * keeps that property: a pointer moves it along the mirror, a typed number also sets its image on the
+ * diagonal, and the direction of its J stays. No shapes if that leaves nothing of the change.
+ * @param {{ tile: number, operation: Operation }[]} images @param {Shape} before @param {Shape} shape @param {boolean} isTyped
  * @returns {{ tile: number, position_mm: number[], size_mm: number[], polarization_t: number[] }[]} */
-export function editedImages(images, shape) {
-  const own = images.filter(({ tile }) => tile === images[0].tile).map(({ operation }) => imageOfShape(operation, shape));
-  const mean = (/** @type {keyof Shape} */ key) =>
-    shape[key].map((_, i) => own.reduce((sum, one) => sum + one[key][i], 0) / own.length);
-  const kept = { position_mm: mean("position_mm"), size_mm: mean("size_mm"), polarization_t: mean("polarization_t") };
+export function editedImages(images, before, shape, isTyped = false) {
+  const own = images.filter(({ tile }) => tile === images[0].tile).map(({ operation }) => operation);
+  const kept = { ...shape };
+  if (own.length > 1) {
+    for (const key of /** @type {("position_mm" | "size_mm")[]} */ (["position_mm", "size_mm"])) {
+      const by = shape[key].map((value, i) => value - before[key][i]);
+      const all = own.map((operation) => imageOfShape(operation, { ...before, [key]: by })[key]);
+      const mean = by.map((_, i) => all.reduce((sum, one) => sum + one[i], 0) / own.length);
+      const typed = by.findIndex((value) => value !== 0);
+      const factor = isTyped && mean[typed] ? by[typed] / mean[typed] : 1;
+      kept[key] = before[key].map((value, i) => value + factor * mean[i]);
+    }
+    const [old, now] = [before, shape].map(({ polarization_t }) => Math.hypot(...polarization_t));
+    kept.polarization_t = before.polarization_t.map((c) => (old > 0 ? c * (now / old) : c));
+    if (isSame(kept, before)) return [];
+  }
   const edits = new Map(images.map(({ tile, operation }) => [tile, { tile, ...imageOfShape(operation, kept) }]));
   return [...edits.values()];
 }

@@ -2,7 +2,7 @@
 
 import { filmPolarization } from "#film_view";
 import { element, rounded, set, snapped } from "#format";
-import { editedImages, isAligned, orbit } from "#symmetry";
+import { FIXED_BY_SYMMETRY, editedImages, isAligned, orbit } from "#symmetry";
 
 /** @typedef {import("#model").Model} Model */
 /** @typedef {import("#symmetry").Tile} Tile */
@@ -36,15 +36,27 @@ export function showTileList(model, place) {
   const list = element("div", { class: "list", role: "listbox", tabindex: 0, "aria-label": "Tiles" });
   const fields = element("fieldset", { class: "fields" }, element("legend", {}, "No tile is chosen"));
   const legend = fields.querySelector("legend");
-  const hint = element("p", { class: "hint" }, "Page up and page down choose a tile; the arrow keys move it by a step, with Shift by ten.");
+  const hint = element("p", { class: "hint" }, "");
   place.append(element("h2", {}, "Tiles"), element("div", { class: "tile-list" }, list, fields), hint);
   /** @type {string} */
   let names = "";
+  /** Fields whose text is not taken yet. @type {Set<HTMLInputElement>} */
+  const typing = new Set();
+  const stepOf = (/** @type {Field} */ { unit }) => (unit === "mm" ? model.step_mm : unit === "T" ? 0.001 : 1);
 
   const inputs = FIELDS.map((field) => {
     const input = element("input", { type: "number", step: "any", "aria-label": `${field.label}, ${field.unit}` });
+    input.addEventListener("input", () => typing.add(input));
     input.addEventListener("change", () => {
+      typing.delete(input);
       if (input.value !== "") edit((tile) => field.write(tile, Number(input.value)));
+    });
+    input.addEventListener("keydown", (/** @type {KeyboardEvent} */ event) => {
+      const up = { ArrowUp: 1, ArrowDown: -1 }[event.key];
+      if (up === undefined || input.value === "") return;
+      event.preventDefault();
+      const step = stepOf(field) * up * (event.shiftKey ? 10 : 1);
+      edit((tile) => field.write(tile, rounded(field.read(tile) + step)));
     });
     fields.append(element("label", {}, `${field.label} `, input, ` ${field.unit}`));
     return input;
@@ -57,7 +69,9 @@ export function showTileList(model, place) {
     const tile = model.tiles[index];
     const { position_mm, size_mm, polarization_t } = tile;
     const shape = { position_mm, size_mm, polarization_t, ...changed(tile) };
-    model.change({ tiles: editedImages(orbit(model.tiles, index, model.symmetry), shape) });
+    const tiles = editedImages(orbit(model.tiles, index, model.symmetry), tile, shape, true);
+    if (tiles.length > 0) model.change({ tiles });
+    else model.say(FIXED_BY_SYMMETRY);
   }
 
   list.addEventListener("keydown", (/** @type {KeyboardEvent} */ event) => {
@@ -82,6 +96,7 @@ export function showTileList(model, place) {
   });
 
   model.listeners.push(() => {
+    hint.textContent = `In the list, page up and page down choose a tile; the arrow keys move it by ${model.step_mm} mm, with Shift by ${rounded(10 * model.step_mm)} mm.`;
     const all = model.tiles.map((tile) => tile.name).join("\n");
     if (all !== names) {
       names = all;
@@ -102,7 +117,7 @@ export function showTileList(model, place) {
     legend.textContent = tile ? `${tile.name}${tile.is_strip ? ": a strip of a disc, which is edited in the layout" : ""}${isAligned(tile) ? "" : ", turned: sides along its own axes"}` : "No tile is chosen";
     set(fields, { disabled: !tile || tile.is_strip });
     inputs.forEach((input, i) => {
-      if (input === document.activeElement && !model.gesture) return;
+      if (typing.has(input) && input === document.activeElement) return;
       input.value = tile ? String(rounded(FIELDS[i].read(tile))) : "";
     });
     const overlap = tile && model.overlapping.has(model.selected ?? -1);

@@ -11,8 +11,8 @@ export function showToolbar(model, place, film) {
   const undo = button("Undo", () => model.go(-1));
   const redo = button("Redo", () => model.go(1));
   const reset = button("Reset", () => model.open(model.texts[0]));
-  const pin = button("Pin for comparison", () => model.pin());
-  const exchange = button("Exchange with the pinned", () => model.exchange());
+  const pin = button("Pin this film", () => model.pin());
+  const exchange = button("Swap with the pinned film", () => model.exchange());
   const lock = element("input", { type: "checkbox", checked: true });
   lock.addEventListener("change", () => {
     model.isSymmetric = lock.checked;
@@ -38,7 +38,7 @@ export function showToolbar(model, place, film) {
     set(redo, { disabled: !model.canRedo });
     set(reset, { disabled: model.at < 1 && model.texts.length < 2 });
     set(symmetric, { hidden: (model.state?.brief?.symmetry ?? "none") === "none" });
-    pin.textContent = model.pinned ? "Unpin" : "Pin for comparison";
+    pin.textContent = model.pinned ? "Unpin" : "Pin this film";
     set(exchange, { hidden: !model.pinned });
   });
   document.addEventListener("keydown", (event) => {

@@ -1,8 +1,8 @@
 //! One HTML page on which a spliced magnet film is edited and evaluated.
 //!
 //! [`live_page`] puts the modules in `page/` into one file, with the layout, and with the engine if
-//! the page has its own. An import map names the modules, so that the page loads no other file and
-//! the modules are tested as they are. The page asks its engine for every number; see
+//! the page has its own. An import map gives the modules their names, so that the page loads no
+//! other file and the modules are tested as they are. The page asks its engine for every number; see
 //! `crates/page-engine`.
 
 use base64::Engine as _;
@@ -43,12 +43,13 @@ const DECODER: &str = include_str!("../page/vendor/xz-decompress.min.js");
 macro_rules! modules {
     ($($name:literal),* $(,)?) => { [$((concat!("#", $name), include_str!(concat!("../page/", $name, ".js")))),*] };
 }
-const MODULES: [(&str, &str); 19] = modules![
+const MODULES: [(&str, &str); 20] = modules![
     "axis",
     "background",
     "causes",
     "colours",
     "curves",
+    "cut_list",
     "engine",
     "file_link",
     "film_view",
@@ -73,12 +74,9 @@ pub fn live_page(page: &LivePage) -> String {
     };
     let decoder = if module.is_empty() { String::new() } else { format!("<script>{DECODER}</script>\n") };
     let source = json!({ "name": page.name, "text": page.text, "engine": engine });
-    let imports: serde_json::Map<String, serde_json::Value> = MODULES
+    let module_texts: String = MODULES
         .iter()
-        .map(|(name, text)| {
-            let url = format!("data:text/javascript;base64,{}", STANDARD.encode(text));
-            ((*name).to_owned(), url.into())
-        })
+        .map(|(name, text)| format!("<script type=\"text/plain\" data-module=\"{name}\">\n{text}</script>\n"))
         .collect();
     let connect = if engine == "server" { "'self'" } else { "'none'" };
     filled(PAGE, &|placeholder| match placeholder {
@@ -86,7 +84,7 @@ pub fn live_page(page: &LivePage) -> String {
         "version" => env!("CARGO_PKG_VERSION").to_owned(),
         "style" => STYLE.to_owned(),
         "connect" => connect.to_owned(),
-        "imports" => in_script(&json!({ "imports": imports }).to_string()),
+        "modules" => module_texts.clone(),
         "source" => in_script(&source.to_string()),
         "decoder" => decoder.clone(),
         "module" => module.clone(),
@@ -116,6 +114,14 @@ mod tests {
         assert!(page.contains("\\u003c/script>\\u003cscript>alert(1)"));
         assert!(page.contains("&lt;/script&gt;&lt;script&gt;alert(1)"));
         assert!(!page.contains("{{style}}") && page.contains("{{module}}"));
+    }
+
+    /// The text of a module ends where the script element around it ends.
+    #[test]
+    fn modules_close_no_script() {
+        for (name, text) in MODULES {
+            assert!(!text.contains("</script") && !text.contains("<!--"), "{name}");
+        }
     }
 
     #[test]

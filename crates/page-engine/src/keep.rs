@@ -33,7 +33,8 @@ pub(crate) fn text_with_tiles(
     without_round_off(layout)?.to_edited_toml(TileForm::Plain, folder, &layout.name).map_err(|error| error.to_string())
 }
 
-/// The layout with twelve digits of each length: the centres of a lattice are sums of widths, such as
+/// The layout with twelve digits of each length: the centres of a lattice are sums of widths, such
+/// as
 /// 2.4999999999999996.
 fn without_round_off(layout: &Layout) -> Result<Layout, String> {
     let mut rounded = layout.clone();

@@ -201,8 +201,8 @@ fn list(item: &mut Item) -> Option<&mut toml_edit::Array> {
     item.as_value_mut()?.as_array_mut()
 }
 
-/// Removes a key, and the tables above that it leaves empty. Whether the item is empty then, and may
-/// go.
+/// Removes a key, and the tables above that it leaves empty. Whether the item is empty then, and
+/// may go.
 fn removed(item: &mut Item, path: &[PathStep]) -> bool {
     match path {
         [PathStep::Key(key)] => {
