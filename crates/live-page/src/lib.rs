@@ -2,8 +2,8 @@
 //!
 //! [`live_page`] puts the modules in `page/` into one file, with the layout, and with the engine if
 //! the page has its own. An import map gives the modules their names, so that the page loads no
-//! other file and the modules are tested as they are. The page asks its engine for every number; see
-//! `crates/page-engine`.
+//! other file and the modules are tested as they are. The page asks its engine for every number,
+//! see `crates/page-engine`.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;

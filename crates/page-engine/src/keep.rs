@@ -25,6 +25,9 @@ pub(crate) fn text_with_tiles(
     read: impl Fn(&str) -> Result<Layout, String>,
 ) -> Result<String, String> {
     let before = read(text)?;
+    if before.tiles == layout.tiles {
+        return Ok(text.to_owned());
+    }
     if let Some(edited) = edited_in_place(layout, &before, text)
         && read(&edited).is_ok_and(|read| has_same_tiles(&read, layout))
     {

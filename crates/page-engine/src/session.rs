@@ -456,6 +456,16 @@ mirror = { axes = ["x", "y"] }
         assert_eq!(first, results[0]);
     }
 
+    /// A refused change leaves the text as it was.
+    #[test]
+    fn text_of_unchanged_tiles_stays() {
+        let mut session = opened("published-film");
+        let text = std::fs::read_to_string("../../layouts/published-film.toml").expect("readable");
+        let impossible = serde_json::json!({ "edit": { "tiles": [{ "tile": 0, "size_mm": [-1, 3.3, 1.0] }] } });
+        assert!(ask(&mut session, &impossible)["error"].is_string());
+        assert_eq!(state_after(&mut session, &serde_json::json!("keep"))["text"], text);
+    }
+
     /// Centres of a lattice are written without round-off.
     #[test]
     fn tiles_of_a_lattice_are_written_with_twelve_digits() {
