@@ -56,7 +56,7 @@ export function showCauses(model, place, newEngine) {
       [before, now] = [null, null];
       list.replaceChildren();
       note.textContent = "";
-      total.textContent = "No disturbances are set. Choose errors of the tiles, a stray field or iron at *Sensor and surroundings*: each is then shown here with its part of the error.";
+      total.textContent = "No disturbances are set. Choose errors of the tiles, a stray field or iron at \u201cSensor and surroundings\u201d: each is then shown here with its part of the error.";
       return;
     }
     const own = model.state.text;

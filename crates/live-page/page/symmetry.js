@@ -5,7 +5,7 @@
 /** @typedef {{ position_mm: number[], size_mm: number[], polarization_t: number[] }} Shape */
 
 /** What is said where the symmetry leaves nothing of a change. */
-export const FIXED_BY_SYMMETRY = "The symmetry of the film fixes this number: switch off *keep the symmetry* to change one tile alone.";
+export const FIXED_BY_SYMMETRY = "The symmetry of the film fixes this number: switch off \u201ckeep the symmetry\u201d to change one tile alone.";
 
 // Images agree to a millionth of their size, as in the search for films.
 const SAME_TILE = 1e-6;
