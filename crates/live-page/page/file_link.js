@@ -82,6 +82,8 @@ export async function linkFile(model, place, delivered) {
     await last;
     // What the page wrote comes back as a change.
     if (file.sha256 === base) return;
+    // Whether it is mended shows when it is read.
+    if (file.text !== broken) broken = null;
     const isOwn = model.gesture !== null || (model.state && model.state.text !== known);
     await (isOwn ? decide(file) : take(file));
   });

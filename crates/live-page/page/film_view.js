@@ -121,13 +121,20 @@ export function showFilm(model, place) {
       const next = step(by, moved.altKey);
       if (next) gesture.step(next);
     };
+    const cancel = (/** @type {KeyboardEvent} */ pressed) => {
+      if (pressed.key !== "Escape") return;
+      gesture.cancel();
+      end();
+    };
     const end = () => {
+      document.removeEventListener("keydown", cancel);
       svg.removeEventListener("pointermove", move);
       for (const name of ["pointerup", "pointercancel"]) svg.removeEventListener(name, end);
       gesture.end();
       set(target, { "data-held": false });
     };
     set(target, { "data-held": true });
+    document.addEventListener("keydown", cancel);
     svg.addEventListener("pointermove", move);
     for (const name of ["pointerup", "pointercancel"]) svg.addEventListener(name, end);
   }

@@ -26,6 +26,14 @@ export function showImprove(model, place, newEngine) {
     status.textContent = `error of the goal ${short(errors[0])} \u2192 ${short(errors[errors.length - 1])}${unit} (${errors.length - 1} rounds)`;
   }
 
+  /** The film that the status is about. */
+  let found = "";
+  model.restListeners.push(() => {
+    if (background.isRunning || model.state?.text === found) return;
+    status.textContent = "";
+    set(curve, { hidden: true });
+  });
+
   async function improve() {
     if (background.isRunning) return background.stop();
     if (!model.state) return;
@@ -63,6 +71,7 @@ export function showImprove(model, place, newEngine) {
     } else if (model.state.text !== begun) {
       status.textContent = "The layout changed during the search: its film is not taken.";
     } else {
+      found = best;
       await model.open(best);
     }
   }

@@ -239,6 +239,7 @@ export class Gesture {
   constructor(model) {
     this.model = model;
     this.origin = model.tiles;
+    this.text = model.state?.text ?? "";
     model.before = model.pinned?.evaluated ?? model.evaluated;
     /** @type {Step | null} */
     this.pending = null;
@@ -261,6 +262,17 @@ export class Gesture {
       }
       this.running = null;
     });
+  }
+
+  /** Ends the gesture without a change. */
+  async cancel() {
+    if (this.isEnded) return;
+    this.isEnded = true;
+    this.pending = null;
+    await this.running;
+    if (this.model.gesture === this) this.model.gesture = null;
+    if (this.isChanged) await this.model.open(this.text, { remember: false });
+    else this.model.show();
   }
 
   /** Ends the gesture: its result is kept if it breaks no rule. */

@@ -54,6 +54,8 @@ test("a tile on a mirror stays on it", () => {
     // Nothing is left of a motion across the mirror, or of a turn.
     assert.deepEqual(edited({ position_mm: [0.4, 3, 0.5] }, isTyped), []);
     assert.deepEqual(edited({ polarization_t: [0.1, 0, 0] }, isTyped), []);
+    // Reversed, it has the same line.
+    assert.deepEqual(edited({ polarization_t: [0, -0.1, 0] }, isTyped)[0].polarization_t, [0, -0.1, 0]);
     const stronger = edited({ polarization_t: [0, 0.2, 0] }, isTyped).map(({ polarization_t }) => polarization_t);
     assert.deepEqual(stronger, [[0, 0.2, 0], [0, -0.2, 0]]);
   }

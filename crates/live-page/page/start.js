@@ -38,7 +38,7 @@ async function start() {
     part("findings").replaceChildren(...model.state.findings.map((finding) => element("li", {}, finding)));
   });
   const film = showFilm(model, part("film"));
-  showToolbar(model, part("toolbar"), film);
+  showToolbar(model, part("toolbar"), film, isServed);
   showImprove(model, part("toolbar"), newEngine);
   showResults(model, part("results"));
   showCurves(model, part("results"));
@@ -48,7 +48,7 @@ async function start() {
   showCutList(model, part("tiles"));
   showMap(model, part("map"));
 
-  const linked = await textIn(location.hash);
+  const linked = isServed ? null : await textIn(location.hash);
   await model.open(source.text);
   if (linked !== null && linked !== source.text) await model.open(linked);
   if (isServed) await linkFile(model, part("file"), source.text);

@@ -1,6 +1,6 @@
 // Switches and sliders of the surroundings: each sets keys of the layout.
 
-import { element, rounded, set, short } from "#format";
+import { element, rounded, set } from "#format";
 
 /** @typedef {import("#model").Model} Model */
 /** @typedef {import("#model").TextEdit} TextEdit */
@@ -64,7 +64,7 @@ const CHOICES = [
   },
   {
     label: "errors of the tiles",
-    options: [["", "none"], ["by-hand", "by hand: 0.15 mm, 1.5 degrees, 3 %"], ["workshop", "workshop: 0.05 mm, 0.5 degrees, 1 %"], ["jig", "jig: 0.02 mm, 0.2 degrees, 1 %"], [OWN, "as the layout states them"]],
+    options: [["", "none"], ["by-hand", "by hand: places 0.15 mm, sides 0.05 mm, 1.5 degrees, J 3 % and 2 degrees"], ["workshop", "workshop: places 0.05 mm, 0.5 degrees, J 1 %"], ["jig", "jig: places 0.02 mm, sides 0.02 mm, 0.2 degrees, J 1 % and 1 degree"], [OWN, "as the layout states them"]],
     read: (document) => at(document, ["tolerance", "preset"]) ?? (TILE_ERRORS.some((name) => at(document, ["tolerance", name])) ? OWN : ""),
     // A preset replaces the errors that the layout states.
     write: (value) =>
@@ -192,16 +192,22 @@ export function showSurroundings(model, place) {
       gesture?.end();
       gesture = null;
     });
-    typed.addEventListener("change", () => typed.value !== "" && model.change({ edits: edits(Number(typed.value)) }));
+    let isTyping = false;
+    typed.addEventListener("input", () => (isTyping = true));
+    typed.addEventListener("change", () => {
+      isTyping = false;
+      if (typed.value !== "") model.change({ edits: edits(Number(typed.value)) });
+      else model.show();
+    });
     onOff.addEventListener("change", () => model.change({ edits: onOff.checked ? edits(startOf(slider)) : off() }));
     shown.push((of) => {
       const value = slider.read(of);
       set(onOff, { disabled: value === null && !(slider.needs?.(of) ?? true) });
       for (const input of [range, typed]) {
         set(input, { disabled: value === null });
-        if (value !== null && input !== globalThis.document.activeElement) input.value = String(value);
+        const isInUse = input === globalThis.document.activeElement && (input === typed ? isTyping : gesture !== null);
+        if (!isInUse) input.value = value === null ? "" : String(value);
       }
-      if (value !== null && gesture) typed.value = short(value, 6);
       onOff.checked = value !== null;
     });
     const name = element(hasSwitch ? "label" : "span", {}, ...(hasSwitch ? [onOff, " "] : []), slider.label);

@@ -82,8 +82,12 @@ export function editedImages(images, before, shape, isTyped = false) {
       const factor = isTyped && mean[typed] ? by[typed] / mean[typed] : 1;
       kept[key] = before[key].map((value, i) => value + factor * mean[i]);
     }
-    const [old, now] = [before, shape].map(({ polarization_t }) => Math.hypot(...polarization_t));
-    kept.polarization_t = before.polarization_t.map((c) => (old > 0 ? c * (now / old) : c));
+    const [old, now] = [before.polarization_t, shape.polarization_t];
+    const along = old.reduce((sum, c, i) => sum + c * now[i], 0);
+    // J stays on its line: it is reversed, or has another strength.
+    const isReversed = along < -(1 - SAME_TILE) * Math.hypot(...old) * Math.hypot(...now);
+    const factor = ((isReversed ? -1 : 1) * Math.hypot(...now)) / Math.hypot(...old);
+    if (Math.hypot(...old) > 0) kept.polarization_t = old.map((c) => c * factor + 0);
     if (isSame(kept, before)) return [];
   }
   const edits = new Map(images.map(({ tile, operation }) => [tile, { tile, ...imageOfShape(operation, kept) }]));

@@ -50,6 +50,7 @@ export function showTileList(model, place) {
     input.addEventListener("change", () => {
       typing.delete(input);
       if (input.value !== "") edit((tile) => field.write(tile, Number(input.value)));
+      else model.show();
     });
     input.addEventListener("keydown", (/** @type {KeyboardEvent} */ event) => {
       const up = { ArrowUp: 1, ArrowDown: -1 }[event.key];

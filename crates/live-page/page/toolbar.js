@@ -5,8 +5,9 @@ import { element, set } from "#format";
 
 /** @typedef {import("#model").Model} Model */
 
-/** @param {Model} model @param {HTMLElement} place @param {SVGSVGElement} film */
-export function showToolbar(model, place, film) {
+/** @param {Model} model @param {HTMLElement} place @param {SVGSVGElement} film
+ * @param {boolean} isServed whether the address is that of a program on this machine, which nobody else can open */
+export function showToolbar(model, place, film, isServed) {
   const button = (/** @type {string} */ text, /** @type {() => any} */ onclick) => element("button", { type: "button", onclick }, text);
   const undo = button("Undo", () => model.go(-1));
   const redo = button("Redo", () => model.go(1));
@@ -32,7 +33,7 @@ export function showToolbar(model, place, film) {
   });
   const toml = button("Download TOML", () => download(new Blob([model.state?.text ?? ""]), stem(model.name) + ".toml"));
   const png = button("Download PNG", async () => download(await picture(film), stem(model.name) + ".png"));
-  place.append(undo, redo, reset, symmetric, pin, exchange, toml, link, png);
+  place.append(undo, redo, reset, symmetric, pin, exchange, toml, ...(isServed ? [] : [link]), png);
   model.listeners.push(() => {
     set(undo, { disabled: !model.canUndo });
     set(redo, { disabled: !model.canRedo });
@@ -42,7 +43,9 @@ export function showToolbar(model, place, film) {
     set(exchange, { hidden: !model.pinned });
   });
   document.addEventListener("keydown", (event) => {
-    if (!(event.ctrlKey || event.metaKey) || event.key.toLowerCase() !== "z" || event.target instanceof HTMLInputElement) return;
+    if (!(event.ctrlKey || event.metaKey) || event.key.toLowerCase() !== "z") return;
+    // A field undoes what is typed into it.
+    if (event.target instanceof HTMLInputElement && event.target.type === "number") return;
     event.preventDefault();
     model.go(event.shiftKey ? 1 : -1);
   });

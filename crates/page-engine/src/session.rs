@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use magsplice::Film;
 use magsplice::decouple::Figures;
 use magsplice::design::{DesignProblem, ProgressUpdate, SearchStage};
-use magsplice::layout::{Layout, TileForm, edited_text};
+use magsplice::layout::{Brief, Goal, Layout, TileForm, Under, edited_text};
 use magsplice::magnet::overlaps;
 use magsplice::prelude::{DVec3, Tile};
 use magsplice::tolerance::{Statistics, statistics};
@@ -67,8 +67,7 @@ struct Made {
 #[derive(Serialize)]
 struct Improved {
     state: State,
-    /// Root mean square of the weighted residuals before and after, as in
-    /// [`ProgressUpdate`](magsplice::design::ProgressUpdate).
+    /// The error of the goal before and after.
     before: Option<f64>,
     after: Option<f64>,
     /// Whether the search ended by itself.
@@ -227,21 +226,35 @@ impl OpenLayout {
         };
         let found = problem.search(&stopped).map_err(|error| error.to_string())?;
         let is_finished = !found.interrupted;
-        // The tiles and the sensors alone: bounds, texts and the history stay the user's.
-        let Layout { tiles, sensor, .. } = problem.designed_layout(&found, &self.name);
-        let layout = Layout { tiles, sensor, ..self.layout.clone() };
-        let text = layout
-            .to_edited_toml(TileForm::Compact, self.files.folder(), &self.name)
-            .map_err(|error| error.to_string())?;
-        self.replace(text)?;
         let errors = errors.into_inner().expect("no panic holds it");
+        let [before, after] = [&found.before, &found.after].map(|of| goal_error(&of.figures, layout.brief.as_ref()?));
+        // The tiles and the spacing alone: bounds, texts and the history stay the user's.
+        let Layout { tiles, .. } = problem.designed_layout(&found, &self.name);
+        let spaced = found.spacing_mm.and_then(|spacing_mm| self.layout.with_head_spacing(spacing_mm));
+        let improved = Layout { tiles, ..spaced.unwrap_or_else(|| self.layout.clone()) };
+        let is_same = improved.tiles == self.layout.tiles;
+        if !is_same || improved.head_spacing_mm() != self.layout.head_spacing_mm() {
+            let text = improved.to_edited_toml(TileForm::Compact, self.files.folder(), &self.name);
+            self.replace(text.map_err(|error| error.to_string())?)?;
+        }
         Ok(Improved {
             state: self.state(),
-            before: errors.first().copied(),
-            after: errors.last().copied(),
+            before: before.or(errors.first().copied()),
+            after: after.or(errors.last().copied()),
             is_finished,
         })
     }
+}
+
+/// The root of the weighted sum of squares of the errors that a brief counts, of the film as drawn.
+/// `None` for other goals.
+fn goal_error(figures: &Figures, brief: &Brief) -> Option<f64> {
+    let errors = match (brief.under, brief.goal) {
+        (Under::Nominal, Goal::Displacement) => figures.displacement_rmse_mm.to_array(),
+        (Under::Nominal, Goal::Uniformity) => figures.uniformity_rmse.map(|rmse| rmse.unwrap_or(0.0)).to_array(),
+        _ => return None,
+    };
+    Some(errors.iter().zip(brief.weights).map(|(error, weight)| weight * error * error).sum::<f64>().sqrt())
 }
 
 fn json(value: &impl Serialize) -> Result<String, String> {
@@ -450,6 +463,19 @@ mirror = { axes = ["x", "y"] }
                 assert!(found.contains(line), "{line} is not in {found}");
             }
         }
+        // To the end: a film that no step improves keeps its text.
+        let mut last = results.last().expect("eight").clone();
+        for _ in 0..40 {
+            let next = ask(&mut session, &serde_json::json!({ "improve": { "steps": 9 } }));
+            let found = next["ok"]["state"]["text"].as_str().expect("a text");
+            assert_eq!(found.lines().filter(|line| line.starts_with('#')).count(), 10);
+            let has_ended = next["ok"]["state"]["text"] == last["ok"]["state"]["text"];
+            last = next;
+            if has_ended {
+                break;
+            }
+        }
+        assert_eq!(last["ok"]["before"], last["ok"]["after"]);
         // The same steps on each machine.
         let mut again = opened("published-film");
         let first = ask(&mut again, &serde_json::json!({ "improve": { "steps": 5 } }));
