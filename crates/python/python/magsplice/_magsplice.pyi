@@ -30,6 +30,7 @@ __all__ = [
     "layout_figure",
     "layout_svg",
     "layout_text",
+    "live_page",
     "moved",
     "parts",
     "pattern",
