@@ -178,7 +178,7 @@ def test_live_page_holds_the_film_and_the_engine(published, tmp_path):
     engine = tmp_path / "engine.wasm.xz"
     engine.write_bytes(lzma.compress(b"\0asm"))
     page = published.show(engine=engine)
-    assert "[[lattice]]" in page.html
+    assert all(name in page.html for name in published.tiles.names)
     assert base64.b64encode(engine.read_bytes()).decode() in page.html
     assert 'sandbox="allow-scripts allow-downloads"' in page._repr_html_()
     assert 'sandbox="allow-scripts" ' in published.view()._repr_html_()
