@@ -32,6 +32,8 @@ mod film;
 mod forces;
 /// Ctrl-C during work.
 mod interruption;
+/// The program `magsplice`.
+mod program;
 /// Positions and forces from readings.
 mod readings;
 /// The effect of recoil in a film.
@@ -78,6 +80,8 @@ mod _magsplice {
     use crate::film::{Film, layout_text};
     #[pymodule_export]
     use crate::forces::forces;
+    #[pymodule_export]
+    use crate::program::run_program;
     #[pymodule_export]
     use crate::readings::{calibrate, read, remark_on_range, resolution};
     #[pymodule_export]

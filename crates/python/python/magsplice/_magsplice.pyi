@@ -41,6 +41,7 @@ __all__ = [
     "report",
     "resolution",
     "rotated",
+    "run_program",
     "sample",
     "sampled",
     "samples",
@@ -254,3 +255,4 @@ def pattern(
     sensor: str | None,
     name: str | None,
 ) -> str: ...
+def run_program(arguments: list[str]) -> int: ...
