@@ -18,7 +18,7 @@ def main() -> int:
     """The exit status of the program with the arguments of this process."""
     _open_closed_streams()
     extension = sys.modules.get(EXTENSION) or _extension()
-    _use_signals_of_programs()
+    _release_interrupts()
     status: int = extension.run_program(sys.argv[1:])
     return status
 
@@ -43,12 +43,10 @@ def _open_closed_streams() -> None:
     os.close(opened)
 
 
-def _use_signals_of_programs() -> None:
-    """Undoes what Python does with signals at its start, as far as a program in Rust does not.
+def _release_interrupts() -> None:
+    """Gives Ctrl-C its default action back, unless it was ignored when Python began.
 
-    Both ignore SIGPIPE: a closed pipe is an error of writing.
+    Python ignores SIGPIPE, as a program in Rust does, and SIGXFSZ, which programs may inherit.
     """
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, signal.SIG_DFL)
-    if hasattr(signal, "SIGXFSZ"):
-        signal.signal(signal.SIGXFSZ, signal.SIG_DFL)
