@@ -114,7 +114,8 @@ pub const MAGIC: &[u8] = b"\xfd7zXZ\0";
 /// The engine that was built into this crate: the module named by `MAGSPLICE_PAGE_ENGINE` when it
 /// was compiled. `None` if none was named.
 pub fn built_in_engine() -> Option<&'static [u8]> {
-    const ENGINE: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/engine.wasm.xz"));
+    // A constant would be copied into every crate that calls this function.
+    static ENGINE: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/engine.wasm.xz"));
     (!ENGINE.is_empty()).then_some(ENGINE)
 }
 
