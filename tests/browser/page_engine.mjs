@@ -74,4 +74,5 @@ console.log(
 );
 // A frame is 16 ms.
 assert.ok(times[50] < 3 * 16, `a drag takes ${times[50]} ms`);
-assert.ok(bytes < 0.75e6, `${bytes} bytes compressed`);
+// The page of the published film stays below 1.2 MB.
+assert.ok(bytes < 0.81e6, `${bytes} bytes compressed`);
