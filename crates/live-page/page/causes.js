@@ -5,7 +5,7 @@ import { Background } from "#background";
 
 // Exact samples that check the first order of the budget.
 const CHECKING_SAMPLES = 20;
-// Films that *Made* evaluates, and films of a step, after which the page shows them.
+// Number of simulated films, and of films after which the page shows the result.
 const [FILMS, STEP] = [200, 20];
 const BINS = 24;
 const SIMULATE = `Simulate ${FILMS} films`;

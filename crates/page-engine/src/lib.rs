@@ -19,6 +19,8 @@ mod readable_files;
 mod request;
 /// A layout that is edited and evaluated.
 mod session;
+#[cfg(test)]
+mod session_tests;
 /// A layout as a page shows it.
 mod state;
 
