@@ -29,6 +29,8 @@ mod hostile;
 mod import;
 /// Layouts with flat iron.
 mod iron;
+#[cfg(feature = "report")]
+mod live_page;
 mod measured_files;
 mod own_files;
 mod point_files;
